@@ -1,0 +1,193 @@
+"""The frozen description of a scene: what is simulated, never how.
+
+Nothing here computes. A scene is built by hand, or by `demverify.deck` from an input deck, and handed to `demsolver.Simulation`.
+Units are those of the deck (any consistent set); angles are radians; particle types count from 1 as in LAMMPS.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+Arm = Literal["radius", "contact"]
+
+
+@dataclass(frozen=True)
+class Box:
+    """An orthogonal box. `lo`, `hi`: (3,) lengths. `boundary`: per axis two letters of p f s m, lower face first ("pp", "fs")."""
+
+    lo: Floats
+    hi: Floats
+    boundary: tuple[str, str, str] = ("pp", "pp", "pp")
+
+    @property
+    def periodic(self) -> tuple[bool, bool, bool]:
+        """Per axis, whether particles leaving one face enter at the other."""
+        return tuple(faces == "pp" for faces in self.boundary)  # type: ignore[return-value]
+
+
+@dataclass(frozen=True)
+class Particles:
+    """Spheres. All arrays have n rows; n may be 0.
+
+    id (n,) unique, from 1. type (n,) from 1. x, v (n, 3). omega (n, 3) angular velocity [rad/time]. radius, mass (n,).
+    mask (n,): bit b set when the particle belongs to group b (bit 0 is "all"). image (n, 3): periodic wraps, as LAMMPS ix iy iz.
+    """
+
+    id: Ints
+    type: Ints
+    x: Floats
+    v: Floats
+    omega: Floats
+    radius: Floats
+    mass: Floats
+    mask: Ints
+    image: Ints
+
+
+@dataclass(frozen=True)
+class ContactLaw:
+    """One contact law, put together from the files of `demsolver/contact`.
+
+    normal, damping, tangential_stiffness, tangential_damping, friction: names of the laws, i.e. file stems without the family
+        prefix: normal="hertz" is contact/normal_hertz.py. friction="none" means no tangential force at all.
+    coefficients: every parameter that the chosen laws name, e.g. {"kn": ..., "gamma_n": ...}; shape (ntypes, ntypes) for pairs,
+        (ntypes,) for a wall (indexed by particle type - 1).
+    surface_arm: lever of the spin in the velocity at the contact point: "radius" R, or "contact" R - overlap/2.
+    torque_arm: lever of the tangential force in the torque: the same two.
+    limit_damping: True cuts a pulling total normal force to zero (LAMMPS limit_damping, LIGGGHTS limitForce on).
+    """
+
+    normal: str
+    damping: str
+    tangential_stiffness: str
+    tangential_damping: str
+    friction: str
+    coefficients: Mapping[str, Floats]
+    surface_arm: Arm = "radius"
+    torque_arm: Arm = "radius"
+    limit_damping: bool = False
+
+
+@dataclass(frozen=True)
+class Slab:
+    """The planes axis=lo and axis=hi as one wall: a particle sees the nearer one, from either side. axis 0, 1, 2; -inf/inf: absent."""
+
+    axis: int
+    lo: float = -np.inf
+    hi: float = np.inf
+
+
+@dataclass(frozen=True)
+class Cylinder:
+    """An endless cylinder along `axis` (0, 1, 2) with `radius` about `center`, given for the two other axes in cyclic order
+    (axis 2: x, y; axis 0: y, z; axis 1: z, x). `effective_radius`: "flat" uses R* = R (LIGGGHTS); "curved" uses
+    R* = R Rw/(R + Rw), Rw = -2 radius seen from inside and +2 radius from outside (LAMMPS)."""
+
+    axis: int
+    center: tuple[float, float]
+    radius: float
+    effective_radius: Literal["flat", "curved"] = "flat"
+
+
+@dataclass(frozen=True)
+class Wall:
+    """A wall for the particles of group `bit`. `touch_closed`: contact also at exactly zero gap (LIGGGHTS), else overlap > 0 (LAMMPS).
+    `velocity`: (3,) constant velocity of its surface."""
+
+    name: str
+    shape: Slab | Cylinder
+    law: ContactLaw
+    bit: int = 0
+    velocity: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    touch_closed: bool = False
+
+
+@dataclass(frozen=True)
+class Gravity:
+    """Constant acceleration (3,) on the particles of group `bit`."""
+
+    acceleration: tuple[float, float, float]
+    bit: int = 0
+
+
+@dataclass(frozen=True)
+class Viscous:
+    """F -= gamma[type - 1] v on group `bit`; gamma (ntypes,)."""
+
+    gamma: Floats
+    bit: int = 0
+
+
+@dataclass(frozen=True)
+class SetForce:
+    """Sets force components of group `bit`; None leaves a component alone."""
+
+    force: tuple[float | None, float | None, float | None]
+    bit: int = 0
+
+
+@dataclass(frozen=True)
+class Freeze:
+    """Zeroes force and torque of group `bit`; contacts see such particles as infinitely heavy (m* is the partner's mass)."""
+
+    bit: int = 0
+
+
+@dataclass(frozen=True)
+class Enforce2D:
+    """Zeroes v_z, f_z, omega_x, omega_y, torque_x, torque_y of group `bit`."""
+
+    bit: int = 0
+
+
+Force = Gravity | Viscous | SetForce | Freeze | Enforce2D
+
+
+@dataclass(frozen=True)
+class NveSphere:
+    """Velocity Verlet for group `bit`; `inertia` is the factor in I = factor m R^2: 0.4, or 0.5 for discs."""
+
+    bit: int = 0
+    inertia: float = 0.4
+
+
+@dataclass(frozen=True)
+class Neighbor:
+    """Neighbour list: skin length, rebuild cadence as LAMMPS' neigh_modify, and pairs left out.
+
+    exclude: (bit, bit) of groups; exclude_types: (type, type)."""
+
+    skin: float
+    every: int = 1
+    delay: int = 0
+    check: bool = True
+    exclude: tuple[tuple[int, int], ...] = ()
+    exclude_types: tuple[tuple[int, int], ...] = ()
+
+
+@dataclass(frozen=True)
+class Scene:
+    """Everything a run needs. `forces` act in this order after the contacts. `pair` None: particles do not see each other.
+
+    history_outlives_contact: tangential memory of a pair survives separation until the next list rebuild (LIGGGHTS), instead
+    of ending with the contact (LAMMPS)."""
+
+    box: Box
+    particles: Particles
+    ntypes: int
+    timestep: float
+    pair: ContactLaw | None = None
+    walls: tuple[Wall, ...] = ()
+    forces: tuple[Force, ...] = ()
+    integrate: tuple[NveSphere, ...] = ()
+    neighbor: Neighbor = field(default_factory=lambda: Neighbor(skin=0.0))
+    dimension: int = 3
+    lost: Literal["error", "warn", "ignore"] = "error"
+    history_outlives_contact: bool = False
