@@ -1,0 +1,35 @@
+"""Errors a user can mend: one line that says what, where, what was expected and what exists. The CLI prints them and exits with 2."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+
+@dataclass(frozen=True)
+class Place:
+    """Where in the user's input: a file and a line (1-based; 0 when the file as a whole is meant)."""
+
+    file: Path
+    line: int = 0
+
+    def __str__(self) -> str:
+        return f"{self.file}:{self.line}" if self.line else str(self.file)
+
+
+class InputError(ValueError):
+    """Bad input: a deck, a data file, a dump, an option. `str(error)` is one line, ending with the place when it is known."""
+
+    def __init__(self, message: str, place: Place | None = None) -> None:
+        self.message = message
+        self.place = place
+        super().__init__(f"{place}: {message}" if place else message)
+
+
+class EngineCrash(RuntimeError):
+    """An engine died or ran out of time. `log_tail` holds the last lines it wrote. The CLI exits with 3."""
+
+    def __init__(self, engine: str, message: str, log_tail: str = "") -> None:
+        self.engine = engine
+        self.log_tail = log_tail
+        super().__init__(f"{engine}: {message}")
