@@ -1,0 +1,18 @@
+"""demsolver: a native DEM solver. Arrays in, arrays out; knows nothing of decks or engines.
+
+    from demsolver import Scene, Simulation
+    simulation = Simulation(scene)
+    simulation.setup()
+    simulation.advance(1000)
+    simulation.bodies.force
+"""
+
+from demsolver.scene import (
+    Box, ContactLaw, Cylinder, Enforce2D, Freeze, Gravity, Neighbor, NveSphere, Particles, Scene, SetForce, Slab, Viscous, Wall,
+)  # fmt: skip
+from demsolver.simulate import EnergyBudget, LostParticles, Simulation, Unstable
+
+__all__ = [
+    "Box", "ContactLaw", "Cylinder", "EnergyBudget", "Enforce2D", "Freeze", "Gravity", "LostParticles", "Neighbor", "NveSphere", "Particles",
+    "Scene", "SetForce", "Simulation", "Slab", "Unstable", "Viscous", "Wall",
+]  # fmt: skip

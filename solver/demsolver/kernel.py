@@ -1,0 +1,285 @@
+"""The step loop: the template from which `demsolver.specialise` makes one compiled loop for one scene.
+
+This file is read as text and placed behind a generated header, which binds, as globals of the new module:
+
+    compiled, threaded         the compiler; the same with parallel loops when the scene runs on several threads
+    pair_contact, pair_stored  force and stored energy of the scene's pair law, put together from demsolver/contact
+    wall_forces, wall_stored   all walls of the scene, one after another
+    field_forces               gravity, freeze, ... of the scene in their order
+    PAIRS, FRICTION, HISTORY, OUTLIVES, BUDGET, PERIODIC, FROZEN, THREADED, SURFACE_CONTACT, TORQUE_CONTACT: constants; what is False costs nothing
+
+Velocity Verlet as LAMMPS does it: contact forces of step n see x(n) and the velocities of step n - 1/2 (at set-up: of step n).
+
+    v += dt/2m F;  omega += dt/2I T;  x += dt v;  F, T = forces(x, v, omega);  v += dt/2m F;  omega += dt/2I T
+
+Memory columns of a contact: 0-2 the tangential history s; with BUDGET also what took energy in the last step: 3-5 the normal damping
+force, 6-8 the tangential force, 9-11 and 12-14 the torques on both sides.
+Tally: 0 work of the normal damping, 1 work of the tangential force, 2 work of viscous drag; negative while they take energy.
+"""
+
+# ruff: noqa: F821
+from math import sqrt
+
+import numpy as np
+from numba import prange
+
+
+@compiled
+def spend(memory, k, now, vx, vy, vz, wi, wj, half_dt, tally):
+    """Work of one step on a contact by the trapezoid rule (order dt^2): half by the forces of the last step, half by today's `now`."""
+    tally[0] += half_dt * (
+        (memory[k, 3] + now[0]) * vx + (memory[k, 4] + now[1]) * vy + (memory[k, 5] + now[2]) * vz
+    )
+    tally[1] += half_dt * (
+        (memory[k, 6] + now[3]) * vx + (memory[k, 7] + now[4]) * vy + (memory[k, 8] + now[5]) * vz
+        + (memory[k, 9] + now[6]) * wi[0] + (memory[k, 10] + now[7]) * wi[1] + (memory[k, 11] + now[8]) * wi[2]
+        + (memory[k, 12] + now[9]) * wj[0] + (memory[k, 13] + now[10]) * wj[1] + (memory[k, 14] + now[11]) * wj[2]
+    )
+
+
+@compiled
+def remember(memory, k, now):
+    """Keep today's forces for the work of the next step."""
+    for c in range(12):
+        memory[k, 3 + c] = now[c]
+
+
+@compiled
+def pair_forces(start, stop, b, p, shifts, coefficients, ntypes, dt, advance, force, torque, tally):
+    """Contact forces of the particles start..stop with the partners of their rows, added to force and torque of both."""
+    x, v, w, radius, mass = b.x, b.v, b.omega, b.radius, b.mass
+    for i in range(start, stop):
+        xi, yi, zi = x[i, 0], x[i, 1], x[i, 2]
+        ri = radius[i]
+        for k in range(p.first[i], p.first[i + 1]):
+            j = p.partner[k]
+            if PERIODIC:
+                s = p.shift[k]
+                dx = xi - (x[j, 0] + shifts[s, 0])
+                dy = yi - (x[j, 1] + shifts[s, 1])
+                dz = zi - (x[j, 2] + shifts[s, 2])
+            else:
+                dx, dy, dz = xi - x[j, 0], yi - x[j, 1], zi - x[j, 2]
+            rj = radius[j]
+            square = dx * dx + dy * dy + dz * dz
+            reach = ri + rj
+            if square >= reach * reach:
+                if p.touching[k]:
+                    if BUDGET:
+                        rest = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+                        if advance:
+                            spend(p.memory, k, rest, v[i, 0] - v[j, 0], v[i, 1] - v[j, 1], v[i, 2] - v[j, 2], w[i], w[j], 0.5 * dt, tally)
+                        remember(p.memory, k, rest)
+                    if HISTORY and not OUTLIVES:
+                        p.memory[k, 0] = p.memory[k, 1] = p.memory[k, 2] = 0.0
+                    p.touching[k] = 0
+                continue
+            p.touching[k] = 1
+            distance = sqrt(square)
+            nx, ny, nz = dx / distance, dy / distance, dz / distance
+            overlap = reach - distance
+            vx, vy, vz = v[i, 0] - v[j, 0], v[i, 1] - v[j, 1], v[i, 2] - v[j, 2]
+            vn = vx * nx + vy * ny + vz * nz
+            meff = mass[i] * mass[j] / (mass[i] + mass[j])
+            if FROZEN:
+                if b.frozen[i]:
+                    meff = mass[j]
+                elif b.frozen[j]:
+                    meff = mass[i]
+            ai, aj = ri, rj
+            if SURFACE_CONTACT:
+                ai, aj = ri - 0.5 * overlap, rj - 0.5 * overlap
+            wx = ai * w[i, 0] + aj * w[j, 0]
+            wy = ai * w[i, 1] + aj * w[j, 1]
+            wz = ai * w[i, 2] + aj * w[j, 2]
+            tx = vx - vn * nx - (wy * nz - wz * ny)
+            ty = vy - vn * ny - (wz * nx - wx * nz)
+            tz = vz - vn * nz - (wx * ny - wy * nx)
+            row = b.kind[i] * ntypes + b.kind[j]
+            sx = sy = sz = 0.0
+            if HISTORY:
+                sx, sy, sz = p.memory[k, 0], p.memory[k, 1], p.memory[k, 2]
+            fn, damping, fx, fy, fz, sx, sy, sz = pair_contact(
+                overlap, ri * rj / reach, meff, vn, nx, ny, nz, tx, ty, tz, sx, sy, sz, dt, advance, coefficients, row
+            )
+            if HISTORY:
+                p.memory[k, 0], p.memory[k, 1], p.memory[k, 2] = sx, sy, sz
+            force[i, 0] += fn * nx + fx
+            force[i, 1] += fn * ny + fy
+            force[i, 2] += fn * nz + fz
+            force[j, 0] -= fn * nx + fx
+            force[j, 1] -= fn * ny + fy
+            force[j, 2] -= fn * nz + fz
+            if FRICTION:
+                if TORQUE_CONTACT:
+                    ai, aj = ri - 0.5 * overlap, rj - 0.5 * overlap
+                else:
+                    ai, aj = ri, rj
+                cx, cy, cz = ny * fz - nz * fy, nz * fx - nx * fz, nx * fy - ny * fx
+                torque[i, 0] -= ai * cx
+                torque[i, 1] -= ai * cy
+                torque[i, 2] -= ai * cz
+                torque[j, 0] -= aj * cx
+                torque[j, 1] -= aj * cy
+                torque[j, 2] -= aj * cz
+            if BUDGET:
+                now = (
+                    damping * nx, damping * ny, damping * nz, fx, fy, fz,
+                    -ai * (ny * fz - nz * fy), -ai * (nz * fx - nx * fz), -ai * (nx * fy - ny * fx),
+                    -aj * (ny * fz - nz * fy), -aj * (nz * fx - nx * fz), -aj * (nx * fy - ny * fx),
+                )
+                if advance:
+                    spend(p.memory, k, now, vx, vy, vz, w[i], w[j], 0.5 * dt, tally)
+                remember(p.memory, k, now)
+
+
+@compiled
+def wall_parting(i, wvx, wvy, wvz, b, memory, dt, advance, tally):
+    """A wall forgets a particle as soon as they part."""
+    if BUDGET:
+        rest = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+        if advance:
+            spend(memory, i, rest, b.v[i, 0] - wvx, b.v[i, 1] - wvy, b.v[i, 2] - wvz, b.omega[i], b.omega[i], 0.5 * dt, tally)
+        remember(memory, i, rest)
+    memory[i, 0] = memory[i, 1] = memory[i, 2] = 0.0
+
+
+@compiled
+def drag(i, gamma, b, memory, dt, advance, tally):
+    """Viscous drag -gamma v on particle i; `memory` holds its last force for the work."""
+    for c in range(3):
+        f = -gamma * b.v[i, c]
+        b.force[i, c] += f
+        if BUDGET:
+            if advance:
+                tally[2] += 0.5 * dt * (memory[i, c] + f) * b.v[i, c]
+            memory[i, c] = f
+
+
+@compiled
+def share(first, n, t, threads):
+    """First row of thread t: every thread gets rows with about as many pairs. t = threads: n."""
+    wanted = first[n] * np.int64(t) // threads
+    low, high = 0, n
+    while low < high:
+        middle = (low + high) // 2
+        if first[middle + 1] <= wanted:
+            low = middle + 1
+        else:
+            high = middle
+    return n if np.int64(t) == threads else low
+
+
+@threaded
+def shared_pair_forces(b, p, shifts, coefficients, ntypes, dt, advance, force, torque, parts, tallies):
+    """pair_forces on several threads: each sums into its own part, then the parts are summed in a fixed order."""
+    threads, n = parts.shape[0], force.shape[0]
+    for t in prange(threads):
+        parts[t] = 0.0
+        start, stop = share(p.first, n, t, threads), share(p.first, n, t + 1, threads)
+        pair_forces(start, stop, b, p, shifts, coefficients, ntypes, dt, advance, parts[t, 0], parts[t, 1], tallies[t])
+    for i in prange(n):
+        for t in range(threads):
+            for c in range(3):
+                force[i, c] += parts[t, 0, i, c]
+                torque[i, c] += parts[t, 1, i, c]
+
+
+@compiled
+def forces(b, p, shifts, coefficients, ntypes, walls, fields, dt, advance, parts, tallies):
+    """Force and torque of every particle, written to b.force and b.torque.
+
+    parts: (t, 2, n, 3) scratch of t threads. tallies: (t, 3) work.
+    """
+    b.force[:] = 0.0
+    b.torque[:] = 0.0
+    if PAIRS:
+        if THREADED:
+            shared_pair_forces(b, p, shifts, coefficients, ntypes, dt, advance, b.force, b.torque, parts, tallies)
+        else:
+            pair_forces(0, b.x.shape[0], b, p, shifts, coefficients, ntypes, dt, advance, b.force, b.torque, tallies[0])
+    wall_forces(b, walls, dt, advance, tallies[0])
+    field_forces(b, fields, dt, advance, tallies[0])
+
+
+@compiled
+def kick(b):
+    """Half a step of acceleration."""
+    for i in range(b.x.shape[0]):
+        for c in range(3):
+            b.v[i, c] += b.half_kick[i] * b.force[i, c]
+            b.omega[i, c] += b.half_spin[i] * b.torque[i, c]
+
+
+@compiled
+def kick_drift(b):
+    """Half a step of acceleration and a step of motion; the largest squared way since the list was built."""
+    farthest = 0.0
+    for i in range(b.x.shape[0]):
+        way = 0.0
+        for c in range(3):
+            b.v[i, c] += b.half_kick[i] * b.force[i, c]
+            b.omega[i, c] += b.half_spin[i] * b.torque[i, c]
+            b.x[i, c] += b.drift[i] * b.v[i, c]
+            way += (b.x[i, c] - b.held[i, c]) ** 2
+        farthest = max(farthest, way)
+    return farthest
+
+
+@compiled
+def run_steps(start, steps, age, rhythm, b, p, shifts, coefficients, ntypes, walls, fields, dt, parts, tallies):
+    """Runs until `steps` are done or the list is due; returns (steps done, age of the list, list due in mid-step?).
+
+    start: 0 at the begin of a step; 1 in mid-step, behind the renewal of the list; 2 set-up: forces only, histories stay.
+    rhythm: (every, delay, check, squared half skin) as LAMMPS' neigh_modify.
+    """
+    every, delay, check, reach = rhythm
+    done = 0
+    while True:
+        if start == 0:
+            if done == steps:
+                return done, age, False
+            farthest = kick_drift(b)
+            age += 1
+            if age >= delay and age % every == 0 and (not check or farthest > reach):
+                return done, age, True
+        forces(b, p, shifts, coefficients, ntypes, walls, fields, dt, start != 2, parts, tallies)
+        if start == 2:
+            return done, age, False
+        kick(b)
+        done += 1
+        start = 0
+
+
+@compiled
+def stored(b, p, shifts, coefficients, ntypes, walls):
+    """Elastic energy in all contacts: (normal, tangential), at the current positions and histories."""
+    normal = tangential = 0.0
+    if PAIRS:
+        for i in range(b.x.shape[0]):
+            for k in range(p.first[i], p.first[i + 1]):
+                j = p.partner[k]
+                square = 0.0
+                for c in range(3):
+                    d = b.x[i, c] - b.x[j, c]
+                    if PERIODIC:
+                        d -= shifts[p.shift[k], c]
+                    square += d * d
+                reach = b.radius[i] + b.radius[j]
+                if square < reach * reach:
+                    overlap = reach - sqrt(square)
+                    meff = b.mass[i] * b.mass[j] / (b.mass[i] + b.mass[j])
+                    if FROZEN:
+                        if b.frozen[i]:
+                            meff = b.mass[j]
+                        elif b.frozen[j]:
+                            meff = b.mass[i]
+                    s = 0.0
+                    if HISTORY:
+                        s = p.memory[k, 0] ** 2 + p.memory[k, 1] ** 2 + p.memory[k, 2] ** 2
+                    row = b.kind[i] * ntypes + b.kind[j]
+                    en, et = pair_stored(overlap, b.radius[i] * b.radius[j] / reach, meff, s, coefficients, row)
+                    normal += en
+                    tangential += et
+    en, et = wall_stored(b, walls)
+    return normal + en, tangential + et

@@ -1,0 +1,36 @@
+"""Contact of one particle with one wall: a template like kernel.py, of which every wall gets a copy with its own law and arms bound.
+
+Here `wall_contact` is the wall's law; SURFACE_CONTACT and TORQUE_CONTACT say where its arms end: True at the contact point, False at R.
+(A compiled function that took the law as an argument could not be cached.)
+"""
+
+# ruff: noqa: F821
+
+
+@compiled
+def wall_force(i, nx, ny, nz, overlap, reff, wvx, wvy, wvz, b, memory, coefficients, dt, advance, tally):
+    """Contact of particle i with one wall whose normal (towards the particle), overlap and surface velocity are given."""
+    w = b.omega
+    vx, vy, vz = b.v[i, 0] - wvx, b.v[i, 1] - wvy, b.v[i, 2] - wvz
+    vn = vx * nx + vy * ny + vz * nz
+    arm = b.radius[i] - 0.5 * overlap if SURFACE_CONTACT else b.radius[i]
+    tx = vx - vn * nx - arm * (w[i, 1] * nz - w[i, 2] * ny)
+    ty = vy - vn * ny - arm * (w[i, 2] * nx - w[i, 0] * nz)
+    tz = vz - vn * nz - arm * (w[i, 0] * ny - w[i, 1] * nx)
+    fn, damping, fx, fy, fz, sx, sy, sz = wall_contact(
+        overlap, reff, b.mass[i], vn, nx, ny, nz, tx, ty, tz, memory[i, 0], memory[i, 1], memory[i, 2], dt, advance, coefficients, b.kind[i]
+    )
+    memory[i, 0], memory[i, 1], memory[i, 2] = sx, sy, sz
+    arm = b.radius[i] - 0.5 * overlap if TORQUE_CONTACT else b.radius[i]
+    qx, qy, qz = -arm * (ny * fz - nz * fy), -arm * (nz * fx - nx * fz), -arm * (nx * fy - ny * fx)
+    b.force[i, 0] += fn * nx + fx
+    b.force[i, 1] += fn * ny + fy
+    b.force[i, 2] += fn * nz + fz
+    b.torque[i, 0] += qx
+    b.torque[i, 1] += qy
+    b.torque[i, 2] += qz
+    if BUDGET:
+        now = (damping * nx, damping * ny, damping * nz, fx, fy, fz, qx, qy, qz, 0.0, 0.0, 0.0)
+        if advance:
+            spend(memory, i, now, vx, vy, vz, w[i], w[i], 0.5 * dt, tally)
+        remember(memory, i, now)

@@ -1,0 +1,155 @@
+"""Neighbour list: particles and their periodic images into cells, cells into rows of pairs, contact memory carried over.
+
+A pair stands in the row of its lower index. A pair is listed when the centres are nearer than both radii plus the skin.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from demsolver.scene import Scene
+from demsolver.state import Bodies, Floats, Ints, Pairs, selected
+
+SHIFTS: Ints = np.array([[a, b, c] for a in (-1, 0, 1) for b in (-1, 0, 1) for c in (-1, 0, 1)])
+HOME = 13  # row of SHIFTS that is (0, 0, 0)
+
+
+def empty_pairs(n: int, columns: int) -> Pairs:
+    """A list without pairs."""
+    return Pairs(
+        first=np.zeros(n + 1, dtype=np.int64),
+        partner=np.zeros(0, dtype=np.int64),
+        shift=np.zeros(0, dtype=np.int64),
+        touching=np.zeros(0, dtype=np.uint8),
+        memory=np.zeros((0, columns)),
+    )
+
+
+def wrap(x: Floats, lo: Floats, hi: Floats, periodic: tuple[bool, bool, bool]) -> Ints:
+    """Moves particles back into the periodic box, in place; returns the wraps (n, 3): x_old = x_new + wraps * length."""
+    wraps = np.zeros(x.shape, dtype=np.int64)
+    for axis in range(3):
+        if periodic[axis]:
+            length = hi[axis] - lo[axis]
+            below, beyond = x[:, axis] < lo[axis], x[:, axis] >= hi[axis]
+            x[below, axis] = np.maximum(x[below, axis] + length, lo[axis])
+            x[beyond, axis] = np.maximum(x[beyond, axis] - length, lo[axis])
+            wraps[below, axis] = -1
+            wraps[beyond, axis] = 1
+    return wraps
+
+
+def build(scene: Scene, bodies: Bodies, box_lo: Floats, box_hi: Floats, columns: int) -> Pairs:
+    """Lists all pairs of a scene at the current positions; their memory is empty.
+
+    Raises ValueError when a periodic box is shorter than the reach of a contact.
+    """
+    n = len(bodies.x)
+    if n == 0:
+        return empty_pairs(0, columns)
+    skin = scene.neighbor.skin
+    reach = 2.0 * float(bodies.radius.max()) + skin
+    owner, shift = images(bodies.x, box_lo, box_hi, scene.box.periodic, reach)
+    places = bodies.x[owner] + SHIFTS[shift] * (box_hi - box_lo)
+    low = places.min(axis=0)
+    size = max(reach, float(np.max(places.max(axis=0) - low)) / 256.0) * (1.0 + 1e-12)
+    grid = np.maximum(1, np.ceil((places.max(axis=0) - low) / size)).astype(np.int64)
+    cell = np.minimum(((places - low) / size).astype(np.int64), grid - 1)
+    flat = (cell[:, 2] * grid[1] + cell[:, 1]) * grid[0] + cell[:, 0]
+    order = np.argsort(flat, kind="stable")
+    starts = np.searchsorted(flat[order], np.arange(int(np.prod(grid)) + 1))
+    excluded, classes = exclusions(scene, bodies.mask, bodies.kind)
+    first, partner, shifts = _rows(n, places, owner, shift, cell, grid, order, starts, bodies.radius, skin, excluded, classes)
+    m = len(partner)
+    return Pairs(first, partner, shifts, np.zeros(m, dtype=np.uint8), np.zeros((m, columns)))
+
+
+def images(x: Floats, lo: Floats, hi: Floats, periodic: tuple[bool, bool, bool], reach: float) -> tuple[Ints, Ints]:
+    """Owners and shift codes of all particles (first n: themselves) and of their images within `reach` of the box."""
+    n = len(x)
+    owner, code = np.arange(n), np.full(n, HOME)
+    offset = np.zeros((n, 3), dtype=np.int64)
+    for axis in range(3):
+        if not periodic[axis]:
+            continue
+        length = hi[axis] - lo[axis]
+        if length < reach:
+            message = f"the periodic box is {length:g} long in {'xyz'[axis]}, shorter than the reach {reach:g} of a contact (two radii and the skin)"
+            raise ValueError(message)
+        low = x[owner, axis] < lo[axis] + reach
+        high = x[owner, axis] >= hi[axis] - reach
+        step = np.zeros(3, dtype=np.int64)
+        step[axis] = 1
+        offset = np.concatenate([offset, offset[low] + step, offset[high] - step])
+        owner = np.concatenate([owner, owner[low], owner[high]])
+    code = ((offset[:, 0] + 1) * 3 + offset[:, 1] + 1) * 3 + offset[:, 2] + 1
+    return owner, code
+
+
+def exclusions(scene: Scene, mask: Ints, kind: Ints) -> tuple[NDArray[np.bool_], Ints]:
+    """A table of classes of particles that do not see each other, and the class of every particle."""
+    rules = [(selected(mask, a), selected(mask, b)) for a, b in scene.neighbor.exclude]
+    rules += [(kind == a - 1, kind == b - 1) for a, b in scene.neighbor.exclude_types]
+    if not rules:
+        return np.zeros((1, 1), dtype=bool), np.zeros(len(mask), dtype=np.int64)
+    members = np.column_stack([column for rule in rules for column in rule])
+    kinds, classes = np.unique(members, axis=0, return_inverse=True)
+    table = np.zeros((len(kinds), len(kinds)), dtype=bool)
+    for r in range(len(rules)):
+        a, b = kinds[:, 2 * r], kinds[:, 2 * r + 1]
+        table |= np.outer(a, b) | np.outer(b, a)
+    return table, classes.ravel()
+
+
+@njit(cache=True, error_model="numpy")  # type: ignore[untyped-decorator]
+def _rows(n, places, owner, shift, cell, grid, order, starts, radius, skin, excluded, classes):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+    first = np.zeros(n + 1, dtype=np.int64)
+    partner = np.empty(8 * n + 16, dtype=np.int64)
+    code = np.empty(8 * n + 16, dtype=np.int64)
+    m = 0
+    for i in range(n):
+        first[i] = m
+        for cz in range(max(0, cell[i, 2] - 1), min(grid[2], cell[i, 2] + 2)):
+            for cy in range(max(0, cell[i, 1] - 1), min(grid[1], cell[i, 1] + 2)):
+                row = (cz * grid[1] + cy) * grid[0]
+                for q in range(starts[row + max(0, cell[i, 0] - 1)], starts[row + min(grid[0], cell[i, 0] + 2)]):
+                    g = order[q]
+                    j = owner[g]
+                    if j < i or (j == i and shift[g] <= 13) or excluded[classes[i], classes[j]]:
+                        continue
+                    square = 0.0
+                    for c in range(3):
+                        square += (places[i, c] - places[g, c]) ** 2
+                    if square < (radius[i] + radius[j] + skin) ** 2:
+                        if m == len(partner):
+                            partner = np.concatenate((partner, np.empty_like(partner)))
+                            code = np.concatenate((code, np.empty_like(code)))
+                        partner[m] = j
+                        code[m] = shift[g]
+                        m += 1
+    first[n] = m
+    return first, partner[:m].copy(), code[:m].copy()
+
+
+@njit(cache=True, error_model="numpy")  # type: ignore[untyped-decorator]
+def carry(old: Any, new: Any, wraps: Ints) -> None:
+    """Hands the memory of touching pairs of the old list to the new one. `wraps` (n, 3): periodic wraps since the old list."""
+    for i in range(len(old.first) - 1):
+        for k in range(old.first[i], old.first[i + 1]):
+            if not old.touching[k]:
+                continue
+            j = old.partner[k]
+            code = old.shift[k]
+            a = code // 9 - 1 - wraps[i, 0] + wraps[j, 0]
+            b = code // 3 % 3 - 1 - wraps[i, 1] + wraps[j, 1]
+            c = code % 3 - 1 - wraps[i, 2] + wraps[j, 2]
+            moved = ((a + 1) * 3 + b + 1) * 3 + c + 1
+            for q in range(new.first[i], new.first[i + 1]):
+                if new.partner[q] == j and new.shift[q] == moved:
+                    new.touching[q] = 1
+                    new.memory[q] = old.memory[k]
+                    break
