@@ -6,7 +6,7 @@ This file is read as text and placed behind a generated header, which binds, as 
     pair_contact, pair_stored  force and stored energy of the scene's pair law, put together from demsolver/contact
     wall_forces, wall_stored   all walls of the scene, one after another
     field_forces               gravity, freeze, ... of the scene in their order
-    PAIRS, FRICTION, HISTORY, OUTLIVES, BUDGET, PERIODIC, FROZEN, THREADED, SURFACE_CONTACT, TORQUE_CONTACT: constants; what is False costs nothing
+    PAIRS, FRICTION, HISTORY, OUTLIVES, BUDGET, PERIODIC, FROZEN, VIRIAL, THREADED, SURFACE_CONTACT, TORQUE_CONTACT: constants; what is False costs nothing
 
 Velocity Verlet as LAMMPS does it: contact forces of step n see x(n) and the velocities of step n - 1/2 (at set-up: of step n).
 
@@ -15,6 +15,7 @@ Velocity Verlet as LAMMPS does it: contact forces of step n see x(n) and the vel
 Memory columns of a contact: 0-2 the tangential history s; with BUDGET also what took energy in the last step: 3-5 the normal damping
 force, 6-8 the tangential force, 9-11 and 12-14 the torques on both sides.
 Tally: 0 work of the normal damping, 1 work of the tangential force, 2 work of viscous drag; negative while they take energy.
+With VIRIAL: 3 the sum of r.F over the pairs of the last force evaluation.
 """
 
 # ruff: noqa: F821
@@ -110,6 +111,8 @@ def pair_forces(start, stop, b, p, shifts, coefficients, ntypes, dt, advance, fo
             force[j, 0] -= fn * nx + fx
             force[j, 1] -= fn * ny + fy
             force[j, 2] -= fn * nz + fz
+            if VIRIAL:
+                tally[3] += dx * (fn * nx + fx) + dy * (fn * ny + fy) + dz * (fn * nz + fz)
             if FRICTION:
                 if TORQUE_CONTACT:
                     ai, aj = ri - 0.5 * overlap, rj - 0.5 * overlap
@@ -189,10 +192,12 @@ def shared_pair_forces(b, p, shifts, coefficients, ntypes, dt, advance, force, t
 def forces(b, p, shifts, coefficients, ntypes, walls, fields, dt, advance, parts, tallies):
     """Force and torque of every particle, written to b.force and b.torque.
 
-    parts: (t, 2, n, 3) scratch of t threads. tallies: (t, 3) work.
+    parts: (t, 2, n, 3) scratch of t threads. tallies: (t, 4).
     """
     b.force[:] = 0.0
     b.torque[:] = 0.0
+    if VIRIAL:
+        tallies[:, 3] = 0.0
     if PAIRS:
         if THREADED:
             shared_pair_forces(b, p, shifts, coefficients, ntypes, dt, advance, b.force, b.torque, parts, tallies)

@@ -56,18 +56,20 @@ class Simulation:
     """A scene in motion.
 
     `setup()` computes the forces of the current state with full-step velocities and leaves histories alone, as the engines do at
-    every `run`; `advance(n)` runs n steps. `budget=True` also keeps the account of dissipated energy.
+    every `run`; `advance(n)` runs n steps. `budget=True` also keeps the account of dissipated energy,
+    `virial=True` the virial of the pairs.
     """
 
-    def __init__(self, scene: Scene, *, threads: int = 1, budget: bool = False) -> None:
+    def __init__(self, scene: Scene, *, threads: int = 1, budget: bool = False, virial: bool = False) -> None:
         self.scene = scene
         self.step = 0
         self.box_lo, self.box_hi = np.array(scene.box.lo, dtype=float), np.array(scene.box.hi, dtype=float)
         self.image: Ints = np.array(scene.particles.image, dtype=np.int64)
         self.id: Ints = np.array(scene.particles.id, dtype=np.int64)
         self._budget = budget
+        self._virial = virial
         self._threads = threads
-        self._kernel = specialise(scene, threads, budget=budget)
+        self._kernel = specialise(scene, threads, budget=budget, virial=virial)
         self._columns = BUDGET_MEMORY if budget else MEMORY
         self.bodies: Bodies = bodies_of(scene)
         self.pairs: Pairs = neighbors.empty_pairs(len(self.id), self._columns)
@@ -75,7 +77,7 @@ class Simulation:
         self._fields = self._field_arrays()
         self._coefficients = coefficient_table(scene.pair) if scene.pair else np.zeros((1, 1))
         self._parts = np.zeros((threads, 2, len(self.id) if threads > 1 else 0, 3))
-        self._tallies = np.zeros((threads, 3))
+        self._tallies = np.zeros((threads, 4))
         self._age = 0
         self._small = 1e-4 * (self.box_hi - self.box_lo)
 
@@ -114,6 +116,13 @@ class Simulation:
             dragged=float(spent[2]),
         )
 
+    def pair_virial(self) -> float:
+        """Sum of r.F over the pairs at the last force evaluation; needs virial=True."""
+        if not self._virial:
+            message = "the virial was not kept: make the Simulation with virial=True"
+            raise ValueError(message)
+        return float(self._tallies[:, 3].sum())
+
     def _now(self) -> Scene:
         return replace(self.scene, particles=self.particles())
 
@@ -132,7 +141,7 @@ class Simulation:
     def continue_with(self, scene: Scene) -> Simulation:
         """The next run of a deck: `scene` holds changed settings and the present particles; contact histories go on where the same
         particles touch under a law of the same name."""
-        other = Simulation(scene, threads=self._threads, budget=self._budget)
+        other = Simulation(scene, threads=self._threads, budget=self._budget, virial=self._virial)
         other.step = self.step
         if len(other.id) == len(self.id) and np.array_equal(other.id, self.id) and _same_law(scene, self.scene):
             other.pairs = self.pairs

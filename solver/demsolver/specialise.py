@@ -230,7 +230,7 @@ def fields_source(scene: Scene) -> str:
     return f"\n@compiled\ndef field_forces(b, fields, dt, advance, tally):\n{loop}\n"
 
 
-def constants(scene: Scene, budget: bool, images: bool) -> dict[str, bool]:
+def constants(scene: Scene, budget: bool, virial: bool) -> dict[str, bool]:
     """What the scene has; the compiled loop drops what is False."""
     pair = scene.pair
     return {
@@ -239,7 +239,8 @@ def constants(scene: Scene, budget: bool, images: bool) -> dict[str, bool]:
         "HISTORY": pair is not None and keeps_history(pair),
         "OUTLIVES": scene.history_outlives_contact,
         "BUDGET": budget,
-        "PERIODIC": images,
+        "VIRIAL": virial,
+        "PERIODIC": any(scene.box.periodic),
         "FROZEN": any(isinstance(f, Freeze) for f in scene.forces),
         "SURFACE_CONTACT": pair is not None and pair.surface_arm == "contact",
         "TORQUE_CONTACT": pair is not None and pair.torque_arm == "contact",
@@ -257,7 +258,7 @@ def pair_stored(overlap, reff, meff, s_squared, coefficients, row):
 """
 
 
-def source(scene: Scene, threads: int, budget: bool) -> str:
+def source(scene: Scene, threads: int, *, budget: bool, virial: bool) -> str:
     """The whole text of the specialised module."""
     laws = ([("pair", scene.pair)] if scene.pair else []) + [(f"wall{k}", wall.law) for k, wall in enumerate(scene.walls)]
     head = [
@@ -267,7 +268,7 @@ def source(scene: Scene, threads: int, budget: bool) -> str:
         'compiled = njit(cache=True, error_model="numpy", nogil=True)',
         'threaded = njit(cache=True, error_model="numpy", nogil=True, parallel=True)' if threads > 1 else "threaded = compiled",
         f"THREADED = {threads > 1}",
-        *(f"{name} = {value}" for name, value in constants(scene, budget, any(scene.box.periodic)).items()),
+        *(f"{name} = {value}" for name, value in constants(scene, budget, virial).items()),
         *(_law_imports(name, law) for name, law in laws),
         *(contact_source(name, law) for name, law in laws),
         NO_LAW if scene.pair is None else "",
@@ -277,12 +278,12 @@ def source(scene: Scene, threads: int, budget: bool) -> str:
     return "\n".join(head) + loop + walls_source(scene.walls) + fields_source(scene) + "\n\n" + split + rest
 
 
-def specialise(scene: Scene, threads: int = 1, *, budget: bool = False) -> ModuleType:
+def specialise(scene: Scene, threads: int = 1, *, budget: bool = False, virial: bool = False) -> ModuleType:
     """The compiled loop for this scene: a module with run_steps and stored."""
     laws = [scene.pair] if scene.pair else []
     laws += [wall.law for wall in scene.walls]
     modules = sorted({f.__module__ for law in laws for f in law_functions("x", law).values()})
-    return _load(source(scene, threads, budget), tuple(modules))
+    return _load(source(scene, threads, budget=budget, virial=virial), tuple(modules))
 
 
 @cache
