@@ -2,10 +2,10 @@
 
 Three tiers, by how long the runs have gone their own ways since their first common step:
 
-1. the set-up: one state, one evaluation of the forces. Nothing but the order of operations may differ. 2. up to 200
-   steps: contact history has built up, rounding has been fed back. 3. beyond: a chaotic run parts exponentially.
-   Differences are still judged one by one for as long as they exceed what one unit in the
-   last place has grown to (`demverify.chaos`); bulk figures and energies are judged at every step.
+1. the set-up: one state, one evaluation of the forces. Nothing but the order of operations may differ.
+2. up to 200 steps: contact history has built up, rounding has been fed back.
+3. beyond: a chaotic run parts exponentially. Differences are still judged one by one while they exceed what one unit in
+   the last place has grown to (`demverify.chaos`); bulk figures and energies are judged at every step.
 
 Whatever is not a finite number, not there, or not the same particles fails; nothing passes because a comparison with
 NaN is false.
@@ -161,7 +161,8 @@ def compare_series(
         excuses = {name: _chaos(envelope, name, stage, limits) for name in [*QUANTITIES, "ids"]}
         found = _state(p, q, stage, limits.pointwise(stage.tier), scales, excuses)
         checks += found
-        if stage.tier == 3 or any(check.outcome == "skipped" and check.max_rel > 0 for check in found):
+        excused = any(check.outcome == "skipped" and check.max_rel > 0 for check in found)
+        if (stage.tier == 3 and max(p.n, q.n)) or excused:
             checks += _bulk_checks(figures, floors, stage, envelope, limits)
     return checks
 
@@ -179,8 +180,8 @@ def compare_scalars(
 
     columns: quantity -> (column of a, column of b); by default every column of either, by its name, timings left out.
     Differences are relative to the larger of the two values, and to floors[quantity] at least: give one where a column
-    is zero by physics and holds but rounding (erotate of a frictionless scene: REST x ke). envelope: from
-    `Envelope.from_thermo`, under a's column names.
+    is zero by physics and holds but rounding (erotate of a frictionless scene: REST x ke). envelope: of either
+    kind, looked up under the quantity (`Envelope.from_frames`: ke, erotate) and a's column (`Envelope.from_thermo`).
     """
     limits, left, right = tolerances or Tolerances(), thermo_rows(a), thermo_rows(b)
     pairs = columns or {n: (n, n) for n in dict.fromkeys((*a.columns, *b.columns)) if n.lower() not in _TIMINGS}
@@ -193,7 +194,8 @@ def compare_scalars(
         for step in steps:
             found = thermo_difference(name, left[step][in_a], right[step][in_b], (floors or {}).get(name, 0.0), engines)
             stage = _Stage(engines, step, _tier(step - steps[0], limits))
-            checks.append(_judge(name, stage, found, _widened(envelope, in_a, step, limits)))
+            grown = max(envelope.at(name, step), envelope.at(in_a, step)) if envelope else 0.0
+            checks.append(_judge_bulk(name, stage, found, grown, limits))
     return checks
 
 
@@ -214,8 +216,7 @@ def not_judged(
 
 
 def verdict(checks: Iterable[Check]) -> Literal["pass", "fail"]:
-    """ "pass" if something was judged and nothing failed or crashed. Skipped checks alone are no agreement: "fail" (see
-    `summary`)."""
+    """Pass if something was judged and nothing failed or crashed. Skipped checks alone are no agreement (see `summary`)."""
     outcomes = {check.outcome for check in checks}
     return "pass" if "pass" in outcomes and not outcomes & {"fail", "crashed"} else "fail"
 
@@ -305,8 +306,12 @@ def _chaos(envelope: Envelope | None, quantity: str, stage: _Stage, limits: Tole
     return _Excuse(limits.chaos_factor * grown, f"chaos: {size}, the difference says nothing", f"not chaos: {size}")
 
 
-def _widened(envelope: Envelope | None, quantity: str, step: int, limits: Tolerances) -> float:
-    return max(limits.bulk, limits.bulk_factor * envelope.at(quantity, step) if envelope else 0.0)
+def _judge_bulk(quantity: str, stage: _Stage, found: Difference, grown: float, limits: Tolerances) -> Check:
+    """One check of a bulk figure, its tolerance widened to its own envelope; one of 100 % would pass anything: skipped."""
+    widened = max(limits.bulk, limits.bulk_factor * grown)
+    if widened < 1:
+        return _judge(quantity, stage, found, widened)
+    return _judge(quantity, stage, found, limits.bulk, _Excuse(widened, f"chaos: alone, it has parted by {grown:.1e} here"))
 
 
 def _bulk_checks(
@@ -316,9 +321,11 @@ def _bulk_checks(
     envelope: Envelope | None,
     limits: Tolerances,
 ) -> list[Check]:
-    a, b = figures
-    found = {name: bulk_difference(name, a[name], b[name], floors[name], stage.engines) for name in a if name in b}
-    return [_judge(name, stage, apart, _widened(envelope, name, stage.step, limits)) for name, apart in found.items()]
+    checks, (a, b) = [], figures
+    for name in [name for name in a if name in b]:
+        apart = bulk_difference(name, a[name], b[name], floors[name], stage.engines)
+        checks.append(_judge_bulk(name, stage, apart, envelope.at(name, stage.step) if envelope else 0.0, limits))
+    return checks
 
 
 def _steps_apart(a: Series, b: Series, engines: Engines) -> list[Check]:
@@ -326,14 +333,12 @@ def _steps_apart(a: Series, b: Series, engines: Engines) -> list[Check]:
     if not a and not b:
         return [Check("steps", engines, 0, _NAN, _NAN, 0.0, "fail", "neither engine left a frame")]
     gaps = [(name, sorted(other.keys() - own.keys())) for name, own, other in ((engines[0], a, b), (engines[1], b, a))]
-    total = len(a.keys() | b.keys())
-    return [
-        Check(
-            "steps", engines, steps[0], float(len(steps)), len(steps) / total, 0.0, "fail", f"{name} has no step {_listed(steps)}"
-        )
-        for name, steps in gaps
-        if steps
-    ]
+    total, checks = len(a.keys() | b.keys()), []
+    for name, steps in gaps:
+        if steps:
+            reason = f"{name} has no step {_listed(steps)}"
+            checks.append(Check("steps", engines, steps[0], len(steps), len(steps) / total, 0.0, "fail", reason))
+    return checks
 
 
 def _listed(steps: Sequence[int], most: int = 5) -> str:
@@ -342,6 +347,6 @@ def _listed(steps: Sequence[int], most: int = 5) -> str:
 
 
 __all__ = [
-    "TIER1", "TIER2", "TIER2_STEPS", "TIER3", "Check", "Envelope", "Tolerances", "compare_law", "compare_scalars", "compare_series",
-    "compare_state", "exit_status", "explain", "not_judged", "summary", "verdict",
+    "TIER1", "TIER2", "TIER2_STEPS", "TIER3", "Check", "Envelope", "Tolerances", "compare_law", "compare_scalars",
+    "compare_series", "compare_state", "exit_status", "explain", "not_judged", "summary", "verdict",
 ]  # fmt: skip

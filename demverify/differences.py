@@ -13,6 +13,7 @@ from dataclasses import astuple, dataclass
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from demverify.frames import Floats, Frame
 
@@ -52,12 +53,16 @@ class Difference(NamedTuple):
 
 
 class Figure(NamedTuple):
-    """A bulk figure. `size`: its own magnitude as a scale, now (0: none). `floor`: the least scale, kept as a maximum
-    over time."""
+    """A bulk figure: a sum over particles.
+
+    size: its own magnitude as a scale, now (0: none). floor: its least scale, kept as a maximum over time. parts: (n,) what
+    each particle adds, rows in order of ids; their sum is the value. None for a mere count.
+    """
 
     value: float
     size: float
     floor: float
+    parts: Floats | None = None
 
 
 @dataclass(frozen=True)
@@ -136,33 +141,46 @@ def difference(a: Frame, b: Frame, quantity: str, scale: float, engines: tuple[s
             return Difference(np.nan, np.nan, f"{name}: {quantity} not finite for {_some(bad)}")
     apart = np.hypot.reduce(_minimum_image(va - vb, a, b) if quantity == "position" else va - vb, axis=1)
     worst = int(np.argmax(apart))
-    return Difference(*_scaled(float(apart[worst]), scale), f"largest at particle {ids[worst]}")
+    return Difference(*_scaled(float(apart[worst]), scale), f"largest at particle {ids[worst]:.0f}")
 
 
 def bulk(frame: Frame) -> dict[str, Figure]:
     """The figures that a chaotic run still has in common with its neighbours; those whose columns are there.
 
-    number; ke = sum m v^2/2; erotate = sum (2/5 m R^2) w^2/2 (spheres); mean_speed = mean |v|; com_x, com_y, com_z:
-    centre of mass along each axis that is not periodic, measured against the extent of the packing.
+    number; ke = sum m v^2/2; erotate = sum (2/5 m R^2) w^2/2 (spheres); mean_speed = mean |v|; com_x, com_y, com_z: centre
+    of mass along each axis that is not periodic, measured against the extent of the packing.
     """
     figures = {"number": Figure(frame.n, frame.n, 0.0)}
     speed, spin, mass, radius = lengths(frame, "velocity"), lengths(frame, "omega"), frame.columns.get("mass"), radii(frame)
     if not frame.n or speed is None:
         return figures
-    figures["mean_speed"] = _positive(float(speed.mean()), np.sqrt(REST))
+    order = np.argsort(_ids(frame))
+    figures["mean_speed"] = _positive(speed[order] / frame.n, np.sqrt(REST))
     if mass is None:
         return figures
-    ke = 0.5 * float(mass @ speed**2)
-    figures["ke"] = _positive(ke, REST)
+    energies = {"ke": 0.5 * mass * speed**2}
     if radius is not None and spin is not None:
-        erotate = 0.2 * float(mass @ (radius * spin) ** 2)
-        figures["ke"], figures["erotate"] = Figure(ke, ke, REST * (ke + erotate)), Figure(erotate, erotate, REST * (ke + erotate))
-    return figures | _centres(frame, mass, radius)
+        energies["erotate"] = 0.2 * mass * (radius * spin) ** 2
+    total = float(sum(parts.sum() for parts in energies.values()))
+    figures |= {name: _positive(parts[order], REST, total) for name, parts in energies.items()}
+    return figures | _centres(frame, mass, radius, order)
 
 
 def bulk_difference(name: str, a: Figure, b: Figure, floor: float, engines: tuple[str, str]) -> Difference:
     """How far one bulk figure is apart; `floor`: the largest floor of either run so far."""
     return scalar_difference(name, a.value, b.value, max(a.size, b.size, floor), engines)
+
+
+def bulk_spread(a: Figure, b: Figure, floor: float) -> float:
+    """How far chance may part a bulk figure of two runs with the same particles, relative to its scale.
+
+    The root of the sum of squares of what each particle adds to the difference: the standard deviation of the figure if the
+    particles part independently. Unlike the difference of the sums it is not small by accident. At least that difference.
+    """
+    apart = abs(a.value - b.value)
+    if a.parts is not None and b.parts is not None and len(a.parts) == len(b.parts):
+        apart = max(apart, float(np.linalg.norm(a.parts - b.parts)))
+    return _scaled(apart, max(a.size, b.size, floor))[1]
 
 
 def scalar_difference(name: str, a: float, b: float, scale: float, engines: tuple[str, str]) -> Difference:
@@ -173,18 +191,20 @@ def scalar_difference(name: str, a: float, b: float, scale: float, engines: tupl
     return Difference(*_scaled(abs(a - b), scale), f"{engines[0]} {a:.6g}, {engines[1]} {b:.6g}")
 
 
-def _positive(value: float, rest: float) -> Figure:
-    return Figure(value, value, rest * value)
+def _positive(parts: Floats, rest: float, whole: float | None = None) -> Figure:
+    """A sum of positive parts, measured against itself, and against `rest` of the whole (itself, if not given) at least."""
+    value = float(parts.sum())
+    return Figure(value, value, rest * (value if whole is None else whole), parts)
 
 
-def _centres(frame: Frame, mass: Floats, radius: Floats | None) -> dict[str, Figure]:
+def _centres(frame: Frame, mass: Floats, radius: Floats | None, order: NDArray[np.int64]) -> dict[str, Figure]:
     """com_<axis> along the axes that are not periodic; scale: extent of the particles, plus a radius for a single one."""
     if not frame.columns.keys() >= {"x", "y", "z"} or not mass.sum():
         return {}
-    x, reach = frame.vectors("x", "y", "z"), _largest(radius)
+    x = frame.vectors("x", "y", "z")
+    parts, extent = (mass / mass.sum())[:, None] * x, np.ptp(x, axis=0) + _largest(radius)
     axes = [k for k in range(3) if frame.boundary[k] != "pp"]
-    centre, extent = mass @ x / mass.sum(), np.ptp(x, axis=0) + reach
-    return {f"com_{'xyz'[k]}": Figure(float(centre[k]), 0.0, float(extent[k])) for k in axes}
+    return {f"com_{'xyz'[k]}": Figure(float(parts[:, k].sum()), 0.0, float(extent[k]), parts[order, k]) for k in axes}
 
 
 def _minimum_image(d: Floats, a: Frame, b: Frame) -> Floats:

@@ -50,7 +50,7 @@ def _lammps_packages() -> dict[str, str]:
     absent = [name for name in _NEEDED_PACKAGES if name not in have]
     optional = "with" if "OPENMP" in have else "without"
     detail = f"{len(have)} packages, {optional} OPENMP" + (f"; lacks {' '.join(absent)}" if absent else ", with GRANULAR")
-    return _row("lammps packages", str(len(have)), detail=detail, how=lammps.INSTALL if absent else "")
+    return _row("lammps packages", "" if absent else str(len(have)), detail=detail, how=lammps.INSTALL if absent else "")
 
 
 def _ranks() -> dict[str, str]:

@@ -110,3 +110,11 @@ class Setup:
     timestep: float | None = None  # None: the default of the units
     step: int = 0
     time: float = 0.0
+    soft_particles: bool = False  # LIGGGHTS: lifts the lower bound on youngsModulus
+    hard_particles: bool = False  # LIGGGHTS: lifts the upper one
+    variables: Any = None  # the deck's demverify.deck.variables.Variables, for v_name in thermo and print lines
+
+    @property
+    def dt(self) -> float:
+        """The time step: the deck's own, or the default of its units (LAMMPS and LIGGGHTS: lj 0.005, si and cgs 1e-8, micro 2)."""
+        return self.timestep if self.timestep is not None else {"lj": 0.005, "micro": 2.0}.get(self.units, 1e-8)

@@ -1,0 +1,1 @@
+"""Files of engines and of ours: dumps, data files, logs, H5MD."""

@@ -1,0 +1,1 @@
+"""Reports of a comparison: html for people, json for machines."""

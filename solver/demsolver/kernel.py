@@ -26,15 +26,15 @@ from numba import prange
 
 
 @compiled
-def spend(memory, k, now, vx, vy, vz, wi, wj, half_dt, tally):
+def spend(memory, k, now, vx, vy, vz, w, i, j, half_dt, tally):
     """Work of one step on a contact by the trapezoid rule (order dt^2): half by the forces of the last step, half by today's `now`."""
     tally[0] += half_dt * (
         (memory[k, 3] + now[0]) * vx + (memory[k, 4] + now[1]) * vy + (memory[k, 5] + now[2]) * vz
     )
     tally[1] += half_dt * (
         (memory[k, 6] + now[3]) * vx + (memory[k, 7] + now[4]) * vy + (memory[k, 8] + now[5]) * vz
-        + (memory[k, 9] + now[6]) * wi[0] + (memory[k, 10] + now[7]) * wi[1] + (memory[k, 11] + now[8]) * wi[2]
-        + (memory[k, 12] + now[9]) * wj[0] + (memory[k, 13] + now[10]) * wj[1] + (memory[k, 14] + now[11]) * wj[2]
+        + (memory[k, 9] + now[6]) * w[i, 0] + (memory[k, 10] + now[7]) * w[i, 1] + (memory[k, 11] + now[8]) * w[i, 2]
+        + (memory[k, 12] + now[9]) * w[j, 0] + (memory[k, 13] + now[10]) * w[j, 1] + (memory[k, 14] + now[11]) * w[j, 2]
     )
 
 
@@ -69,7 +69,7 @@ def pair_forces(start, stop, b, p, shifts, coefficients, ntypes, dt, advance, fo
                     if BUDGET:
                         rest = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
                         if advance:
-                            spend(p.memory, k, rest, v[i, 0] - v[j, 0], v[i, 1] - v[j, 1], v[i, 2] - v[j, 2], w[i], w[j], 0.5 * dt, tally)
+                            spend(p.memory, k, rest, v[i, 0] - v[j, 0], v[i, 1] - v[j, 1], v[i, 2] - v[j, 2], w, i, j, 0.5 * dt, tally)
                         remember(p.memory, k, rest)
                     if HISTORY and not OUTLIVES:
                         p.memory[k, 0] = p.memory[k, 1] = p.memory[k, 2] = 0.0
@@ -132,7 +132,7 @@ def pair_forces(start, stop, b, p, shifts, coefficients, ntypes, dt, advance, fo
                     -aj * (ny * fz - nz * fy), -aj * (nz * fx - nx * fz), -aj * (nx * fy - ny * fx),
                 )
                 if advance:
-                    spend(p.memory, k, now, vx, vy, vz, w[i], w[j], 0.5 * dt, tally)
+                    spend(p.memory, k, now, vx, vy, vz, w, i, j, 0.5 * dt, tally)
                 remember(p.memory, k, now)
 
 
@@ -142,7 +142,7 @@ def wall_parting(i, wvx, wvy, wvz, b, memory, dt, advance, tally):
     if BUDGET:
         rest = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
         if advance:
-            spend(memory, i, rest, b.v[i, 0] - wvx, b.v[i, 1] - wvy, b.v[i, 2] - wvz, b.omega[i], b.omega[i], 0.5 * dt, tally)
+            spend(memory, i, rest, b.v[i, 0] - wvx, b.v[i, 1] - wvy, b.v[i, 2] - wvz, b.omega, i, i, 0.5 * dt, tally)
         remember(memory, i, rest)
     memory[i, 0] = memory[i, 1] = memory[i, 2] = 0.0
 

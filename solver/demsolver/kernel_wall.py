@@ -32,5 +32,5 @@ def wall_force(i, nx, ny, nz, overlap, reff, wvx, wvy, wvz, b, memory, coefficie
     if BUDGET:
         now = (damping * nx, damping * ny, damping * nz, fx, fy, fz, qx, qy, qz, 0.0, 0.0, 0.0)
         if advance:
-            spend(memory, i, now, vx, vy, vz, w[i], w[i], 0.5 * dt, tally)
+            spend(memory, i, now, vx, vy, vz, w, i, i, 0.5 * dt, tally)
         remember(memory, i, now)

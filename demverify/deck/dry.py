@@ -1,0 +1,53 @@
+"""A backend that runs nothing: it notes what a deck asks for."""
+
+from __future__ import annotations
+
+from copy import copy, deepcopy
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from demverify.deck.setup import Setup
+from demverify.deck.state_values import moves, state_value
+from demverify.errors import InputError
+
+if TYPE_CHECKING:
+    from demsolver.scene import Scene
+
+
+@dataclass(frozen=True)
+class DryRun:
+    """One `run` command: a copy of the setup as it was, and the number of steps."""
+
+    setup: Setup
+    steps: int
+
+    @property
+    def scene(self) -> Scene:
+        """The scene of that run, built on demand. Raises InputError."""
+        from demverify.deck.scene_builder import scene_of
+
+        return scene_of(self.setup)
+
+
+class DryBackend:
+    """Records runs; answers only what follows from the set-up."""
+
+    def __init__(self) -> None:
+        self.runs: list[DryRun] = []
+
+    def run(self, setup: Setup, steps: int) -> None:
+        """Notes the run and advances step and time; the particles stay where they are."""
+        kept = copy(setup)
+        kept.variables = None
+        kept = deepcopy(kept)
+        kept.variables = setup.variables
+        self.runs.append(DryRun(kept, steps))
+        setup.step += steps
+        setup.time += steps * setup.dt
+
+    def value(self, setup: Setup, keyword: str) -> float:
+        """A value known without running. Raises InputError for one that only a run gives."""
+        found = None if self.runs and moves(keyword) else state_value(setup, keyword)
+        if found is None:
+            raise InputError(f"the formula needs {keyword}, which only a run gives")
+        return found

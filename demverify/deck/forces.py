@@ -1,0 +1,112 @@
+"""Force fixes: from the words of a fix to demsolver.scene."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from math import cos, pi, sin, sqrt
+
+import numpy as np
+from demsolver.scene import Enforce2D, Force, Freeze, Gravity, NveSphere, SetForce, Viscous
+
+from demverify.deck.materials_common import Words, group_bit
+from demverify.deck.setup import Setup, Spec
+
+
+def _words(spec: Spec) -> Words:
+    return Words(spec.args, f"fix {spec.id} {spec.style}", spec.place)
+
+
+def _number(words: Words, wanted: str) -> float:
+    if words.peek().startswith("v_"):
+        raise words.error(f"{wanted} as a variable ({words.peek()}) is not supported: expected a number")
+    return words.number(wanted)
+
+
+def gravity(setup: Setup, spec: Spec) -> Gravity:
+    """fix gravity: chute A tilts by A degrees from -z towards +x; spherical PHI THETA in degrees; vector x y z is normalised.
+
+    In two dimensions the vertical is y (measured on both engines)."""
+    words = _words(spec)
+    magnitude = _number(words, "magnitude")
+    style = words.choice("style", ("vector", "chute", "spherical"))
+    if style == "vector":
+        direction = _vector(setup, words)
+    else:
+        phi, theta = (0.0, 180.0 - _number(words, "angle")) if style == "chute" else (_number(words, "phi"), _number(words, "theta"))
+        direction = _spherical(setup, phi * (pi / 180.0), theta * (pi / 180.0))
+    words.end()
+    x, y, z = (magnitude * component for component in direction)
+    return Gravity((x, y, z), group_bit(setup, spec))
+
+
+def _spherical(setup: Setup, phi: float, theta: float) -> tuple[float, float, float]:
+    if setup.dimension == 2:
+        return sin(theta), cos(theta), 0.0
+    return sin(theta) * cos(phi), sin(theta) * sin(phi), cos(theta)
+
+
+def _vector(setup: Setup, words: Words) -> tuple[float, float, float]:
+    x, y, z = (_number(words, axis) for axis in "xyz")
+    if setup.dimension == 2:
+        z = 0.0
+    length = sqrt(x * x + y * y + z * z)
+    if length == 0.0:
+        raise words.error("the vector must not be zero")
+    return x / length, y / length, z / length
+
+
+def freeze(setup: Setup, spec: Spec) -> Freeze:
+    """fix freeze"""
+    _words(spec).end()
+    return Freeze(group_bit(setup, spec))
+
+
+def enforce2d(setup: Setup, spec: Spec) -> Enforce2D:
+    """fix enforce2d"""
+    words = _words(spec)
+    words.end()
+    if setup.dimension != 2:
+        raise words.error("needs dimension 2")
+    return Enforce2D(group_bit(setup, spec))
+
+
+def setforce(setup: Setup, spec: Spec) -> SetForce:
+    """fix setforce fx fy fz, NULL leaves a component alone."""
+    words = _words(spec)
+    fx, fy, fz = (None if words.skip("NULL") else _number(words, f"f{axis}") for axis in "xyz")
+    words.end()
+    return SetForce((fx, fy, fz), group_bit(setup, spec))
+
+
+def viscous(setup: Setup, spec: Spec) -> Viscous:
+    """fix viscous gamma [scale TYPE RATIO]..."""
+    words = _words(spec)
+    drag = _number(words, "gamma")
+    gamma = np.full(setup.ntypes, drag)
+    while words:
+        words.choice("keyword", ("scale",))
+        which = words.integer("type", 1, setup.ntypes) - 1
+        gamma[which] = drag * words.number("ratio")
+    return Viscous(gamma, group_bit(setup, spec))
+
+
+def nve_sphere(setup: Setup, spec: Spec) -> NveSphere:
+    """fix nve/sphere [disc]: LIGGGHTS takes discs, I = m R^2/2, for anything in two dimensions (measured), LAMMPS only when asked."""
+    words = _words(spec)
+    disc = setup.dialect == "liggghts" and setup.dimension == 2
+    while words:
+        words.choice("keyword", ("disc",) if setup.dialect == "lammps" else ())
+        if setup.dimension != 2:
+            raise words.error("disc needs dimension 2")
+        disc = True
+    return NveSphere(group_bit(setup, spec), 0.5 if disc else 0.4)
+
+
+FORCES: dict[str, Callable[[Setup, Spec], Force]] = {
+    "gravity": gravity,
+    "freeze": freeze,
+    "enforce2d": enforce2d,
+    "setforce": setforce,
+    "viscous": viscous,
+}
+CHECKS: dict[str, Callable[[Setup, Spec], object]] = {**FORCES, "nve/sphere": nve_sphere}

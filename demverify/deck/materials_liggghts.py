@@ -1,0 +1,211 @@
+"""LIGGGHTS contact models -> ContactLaw and Wall: pair_style gran, fix property/global, fix wall/gran with primitives.
+
+The rules are those of LIGGGHTS 3.8.0 as measured (shared reference liggghts-conventions, sections 2 to 5 and 8).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from math import inf, pi, sqrt
+
+import numpy as np
+
+from demsolver.scene import ContactLaw, Cylinder, Slab, Wall
+from demverify.deck.materials_common import AXES, Words, constant_shear, group_bit
+from demverify.deck.properties_liggghts import Properties
+from demverify.deck.setup import Floats, Setup, Spec
+from demverify.errors import Place
+
+FRICTION = {"off": "none", "no_history": "no_history", "history": "liggghts_history"}
+COMMON = ("tangential_damping", "limitForce")
+SWITCHES = {
+    "hooke": (*COMMON, "viscous", "ktToKnUser"),
+    "hertz": COMMON,
+    "hooke/stiffness": (*COMMON, "absolute_damping"),
+    "hertz/stiffness": COMMON,
+}
+ON_BY_DEFAULT = ("tangential_damping",)
+TWO_SEVENTHS = 0.285714286  # as LIGGGHTS writes it
+PLANES = tuple(f"{axis}plane" for axis in AXES)
+CYLINDERS = tuple(f"{axis}cylinder" for axis in AXES)
+
+
+@dataclass(frozen=True)
+class Model:
+    """`model M tangential T` with the switches that are on."""
+
+    normal: str
+    tangential: str
+    on: frozenset[str] = frozenset()
+    place: Place | None = None
+
+
+@dataclass(frozen=True)
+class Parts:
+    """Law names and coefficient tables (ntypes, ntypes) that a normal model brings."""
+
+    normal: str
+    damping: str
+    stiffness: str
+    tangential_damping: str
+    tables: dict[str, Floats]
+
+
+def pair_law(setup: Setup) -> ContactLaw | None:
+    """The law between particles; None without a pair style. Raises InputError for an unknown or unsupported model, a wrong
+    keyword order, a missing or wrong property."""
+    if setup.pair_style in (None, ("none",)):
+        return None
+    words = Words(setup.pair_style or (), "pair_style", setup.pair_place)
+    words.choice("style", ("gran",))
+    words.what = "pair_style gran"
+    model = _model(words)
+    model = _switches(words, model)
+    _check_pair_coeff(setup)
+    return _law(setup, model)
+
+
+def walls(setup: Setup) -> tuple[Wall, ...]:
+    """The walls of all `fix wall/gran`, in the order of the deck."""
+    return tuple(_wall(setup, fix) for fix in setup.fixes.values() if fix.style == "wall/gran")
+
+
+def _model(words: Words) -> Model:
+    """`model M [tangential T] [cohesion off] [rolling_friction off] [surface default]`; in this order only."""
+    if not words.skip("model"):
+        raise words.error(f"must begin with model {' | '.join(SWITCHES)}")
+    normal = words.choice("model", SWITCHES)
+    tangential = words.choice("tangential model", FRICTION) if words.skip("tangential") else "off"
+    for keyword, supported in (("cohesion", "off"), ("rolling_friction", "off"), ("surface", "default")):
+        if words.skip(keyword) and (name := words.take(f"{keyword} model")) != supported:
+            raise words.error(f"{keyword} {name} is not supported yet; supported: {keyword} {supported}")
+    return Model(normal, tangential, place=words.place)
+
+
+def _switches(words: Words, model: Model) -> Model:
+    on = set(ON_BY_DEFAULT)
+    order = "model, tangential, cohesion, rolling_friction, surface, then switches"
+    while words:
+        if words.peek() in ("tangential", "cohesion", "rolling_friction", "surface"):
+            raise words.error(f"has {words.peek()} too late; the order is {order}")
+        name = words.choice(f"switch of model {model.normal}", SWITCHES[model.normal])
+        state = words.choice(f"switch {name}", ("on", "off"))
+        on = on | {name} if state == "on" else on - {name}
+    return replace(model, on=frozenset(on))
+
+
+def _check_pair_coeff(setup: Setup) -> None:
+    """LIGGGHTS wants `pair_coeff * *` without numbers."""
+    for coeffs, place in setup.pair_coeffs:
+        words = Words(coeffs, "pair_coeff", place)
+        words.take("type"), words.take("type")
+        words.end()
+    if ("*", "*") not in [coeffs for coeffs, _ in setup.pair_coeffs]:
+        raise Words((), "pair_style gran", setup.pair_place).error("needs the line: pair_coeff * *")
+
+
+def _law(setup: Setup, model: Model) -> ContactLaw:
+    """The law with tables (ntypes, ntypes)."""
+    properties = Properties(setup, f"model {model.normal}", model.place)
+    parts = PARTS[model.normal](properties, model.on)
+    friction, tables = FRICTION[model.tangential], dict(parts.tables)
+    if friction != "none":
+        tables["mu"] = properties.pairs("coefficientFriction")
+    return ContactLaw(
+        normal=parts.normal,
+        damping=parts.damping,
+        tangential_stiffness=parts.stiffness if friction != "none" else "none",
+        tangential_damping=parts.tangential_damping if friction != "none" and "tangential_damping" in model.on else "none",
+        friction=friction,
+        coefficients=tables,
+        surface_arm="contact",
+        torque_arm="contact",
+        limit_damping="limitForce" in model.on,
+    )
+
+
+def _hooke(properties: Properties, on: frozenset[str]) -> Parts:
+    shape = (properties.ntypes, properties.ntypes)
+    tables = {
+        "yeff": properties.effective_young(),
+        "characteristic_velocity": np.full(shape, properties.characteristic_velocity()),
+        "stiffness_ratio": np.full(shape, TWO_SEVENTHS if "ktToKnUser" in on else 1.0),
+        "xt": np.ones(shape),
+    }
+    if "viscous" in on:
+        tables["log_restitution"] = np.log(properties.pairs("MaximumRestitution", 0.0, 1.0, above=True))
+        tables["critical_stokes"] = properties.pairs("CriticalStokes", 0.0, inf, above=True)
+        tables["fluid_viscosity"] = properties.pairs("FluidViscosity", 0.0, inf, above=True)
+        return Parts("impact_hooke", "stokes", "ratio", "scaled", tables)
+    tables["damping_fraction"] = 2.0 * _loss(properties)
+    return Parts("impact_hooke", "fraction", "ratio", "scaled", tables)
+
+
+def _hertz(properties: Properties, on: frozenset[str]) -> Parts:
+    loss = _loss(properties)
+    tables = {
+        "kn": 4.0 / 3.0 * properties.effective_young(),
+        "shear_stiffness": 8.0 * properties.effective_shear(),
+        "damping_fraction": sqrt(5.0) * loss,
+        "tangential_fraction": 2.0 * sqrt(5.0 / 6.0) * loss,
+    }
+    return Parts("hertz", "fraction", "mindlin", "fraction", tables)
+
+
+def _loss(properties: Properties) -> Floats:
+    """-L/sqrt(L^2 + pi^2), L = ln(coefficientRestitution): 0 for an elastic contact."""
+    logs = np.log(properties.pairs("coefficientRestitution", 0.05, 1.0, above=True))
+    return np.abs(logs) / np.sqrt(logs**2 + pi**2)
+
+
+def _hooke_stiffness(properties: Properties, on: frozenset[str]) -> Parts:
+    if "absolute_damping" not in on:
+        return Parts("hooke", "mass_velocity", "constant", "mass", _springs(properties, ""))
+    return Parts("hooke", "velocity", "constant", "absolute", _springs(properties, "_abs"))
+
+
+def _hertz_stiffness(properties: Properties, on: frozenset[str]) -> Parts:
+    return Parts("hertz", "viscoelastic", "mindlin", "mass_radius", _springs(properties, ""))
+
+
+def _springs(properties: Properties, suffix: str) -> dict[str, Floats]:
+    names = {"kn": "kn", "shear_stiffness": "kt", "gamman": f"gamman{suffix}", "gammat": f"gammat{suffix}"}
+    return {name: properties.pairs(given) for name, given in names.items()}
+
+
+PARTS: dict[str, Callable[[Properties, frozenset[str]], Parts]] = {
+    "hooke": _hooke,
+    "hertz": _hertz,
+    "hooke/stiffness": _hooke_stiffness,
+    "hertz/stiffness": _hertz_stiffness,
+}
+
+
+def _wall(setup: Setup, fix: Spec) -> Wall:
+    """`model ... primitive type N SHAPE ... [shear DIM V] [switches]`."""
+    words = Words(fix.args, f"fix {fix.id} wall/gran", fix.place)
+    model = _model(words)
+    if words.peek() == "mesh":
+        raise words.error("mesh walls are not supported yet; supported: primitive")
+    if not words.skip("primitive") or not words.skip("type"):
+        raise words.error(f"needs primitive type N {' | '.join((*PLANES, *CYLINDERS))} behind the model, got {words.peek()!r}")
+    wall_type = words.integer("wall type", 1, setup.ntypes)
+    shape = _shape(words)
+    velocity = (0.0, 0.0, 0.0)
+    while words.skip("shear"):
+        velocity = constant_shear(words, None, None if isinstance(shape, Slab) else shape.axis)
+    law = _law(setup, _switches(words, model))
+    column = {name: np.ascontiguousarray(table[:, wall_type - 1]) for name, table in law.coefficients.items()}
+    return Wall(fix.id, shape, replace(law, coefficients=column), group_bit(setup, fix), velocity, touch_closed=True)
+
+
+def _shape(words: Words) -> Slab | Cylinder:
+    """Plane position, or cylinder radius and centre; the centre comes in cyclic order (ycylinder: z x)."""
+    word = words.choice("primitive", (*PLANES, *CYLINDERS))
+    axis = AXES.index(word[0])
+    if word in PLANES:
+        return Slab(axis, lo=words.number("position"))
+    radius = words.positive("radius")
+    center = [words.number(f"{AXES[(axis + k) % 3]} of the centre") for k in (1, 2)]
+    return Cylinder(axis, (center[0], center[1]), radius, "flat")

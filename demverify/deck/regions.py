@@ -1,0 +1,131 @@
+"""Regions of space: block, cylinder, sphere, and unions and intersections of them. Surfaces belong to the inside, as in LAMMPS."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from demverify.deck.command import Command
+from demverify.deck.setup import Floats, Setup
+
+Bools = NDArray[np.bool_]
+_AXES = ("x", "y", "z")
+_STYLES = ("block", "cylinder", "sphere", "union", "intersect")
+_FAR = 1e20  # what LAMMPS takes for INF
+
+
+@dataclass(frozen=True)
+class Region:
+    """inside: (n, 3) positions -> (n,) bool. lo, hi: (3,) bounds, None where it has none (side out, unions)."""
+
+    style: str
+    inside: Callable[[Floats], Bools]
+    lo: Floats | None = None
+    hi: Floats | None = None
+
+    def contains(self, x: Floats) -> Bools:
+        """Which of the (n, 3) positions lie in the region."""
+        return self.inside(x)
+
+
+def read_region(setup: Setup, cmd: Command) -> Region:
+    """A region from the words after its ID. Raises InputError."""
+    style = cmd.choice("style", _STYLES)
+    cmd.what = f"region {style}"
+    if style in ("union", "intersect"):
+        return _combined(setup, cmd, style)
+    scale = region_scale(setup, cmd)
+    region = {"block": _block, "cylinder": _cylinder, "sphere": _sphere}[style](setup, cmd, scale)
+    return _options(cmd, region)
+
+
+def region_scale(setup: Setup, cmd: Command) -> Floats:
+    """(3,) lengths of one unit of the command's numbers: the lattice's spacings or 1. LAMMPS takes lattice units by default, LIGGGHTS box units."""
+    units = "lattice" if setup.dialect == "lammps" else "box"
+    if "units" in cmd.args[:-1]:
+        units = cmd.args[cmd.args.index("units") + 1]
+    if units == "lattice" and setup.lattice is not None:
+        return np.asarray(setup.lattice.spacing, dtype=float)
+    return np.ones(3)
+
+
+def _block(setup: Setup, cmd: Command, scale: Floats) -> Region:
+    bounds = [_bound(setup, cmd, scale, axis, side) for axis in range(3) for side in (0, 1)]
+    lo, hi = np.array(bounds[0::2]), np.array(bounds[1::2])
+    if np.any(lo > hi):
+        axis = _AXES[int(np.argmax(lo > hi))]
+        raise cmd.error(f"{axis}lo must not exceed {axis}hi")
+    return Region("block", lambda x: np.all((x >= lo) & (x <= hi), axis=1), lo, hi)
+
+
+def _bound(setup: Setup, cmd: Command, scale: Floats, axis: int, side: int) -> float:
+    """One limit as a length; INF and EDGE need a box."""
+    name = f"{_AXES[axis]}{('lo', 'hi')[side]}"
+    if cmd.peek() not in ("INF", "EDGE"):
+        return float(cmd.number(name) * scale[axis])
+    word = cmd.take(name)
+    if setup.box is None:
+        raise cmd.error(f"{word} for {name} needs a simulation box, and there is none yet")
+    if word == "INF":
+        return _FAR if side else -_FAR
+    return float((setup.box.hi if side else setup.box.lo)[axis])
+
+
+def _cylinder(setup: Setup, cmd: Command, scale: Floats) -> Region:
+    axis = _AXES.index(cmd.choice("dim", _AXES))
+    a, b = (k for k in range(3) if k != axis)  # LAMMPS: (y, z), (x, z), (x, y)
+    c1, c2 = cmd.number("c1") * scale[a], cmd.number("c2") * scale[b]
+    # LIGGGHTS scales the radius of a cylinder along x by the x spacing, LAMMPS by the y spacing
+    radius = cmd.positive("radius") * scale[a if setup.dialect == "lammps" else 0]
+    low, high = (_bound(setup, cmd, scale, axis, side) for side in (0, 1))
+    if low > high:
+        raise cmd.error("lo must not exceed hi")
+    lo, hi = np.empty(3), np.empty(3)
+    lo[[axis, a, b]] = low, c1 - radius, c2 - radius
+    hi[[axis, a, b]] = high, c1 + radius, c2 + radius
+
+    def inside(x: Floats) -> Bools:
+        distance = np.sqrt((x[:, a] - c1) * (x[:, a] - c1) + (x[:, b] - c2) * (x[:, b] - c2))
+        return (distance <= radius) & (x[:, axis] >= low) & (x[:, axis] <= high)
+
+    return Region("cylinder", inside, lo, hi)
+
+
+def _sphere(setup: Setup, cmd: Command, scale: Floats) -> Region:
+    center = np.array(cmd.vector("x", "y", "z")) * scale
+    radius = cmd.positive("radius") * scale[0]
+
+    def inside(x: Floats) -> Bools:
+        d = x - center
+        return np.asarray(np.sqrt(d[:, 0] * d[:, 0] + d[:, 1] * d[:, 1] + d[:, 2] * d[:, 2]) <= radius)
+
+    return Region("sphere", inside, center - radius, center + radius)
+
+
+def _combined(setup: Setup, cmd: Command, style: str) -> Region:
+    count = cmd.integer("number of regions", low=2)
+    parts = [find_region(setup, cmd, cmd.take("region ID")) for _ in range(count)]
+    together = np.logical_or if style == "union" else np.logical_and
+    return _options(cmd, Region(style, lambda x: together.reduce([part.contains(x) for part in parts])))
+
+
+def _options(cmd: Command, region: Region) -> Region:
+    side = "in"
+    while cmd:
+        keyword = cmd.choice("keyword", ("side", "units"))
+        if keyword == "side":
+            side = cmd.choice("side", ("in", "out"))
+        else:
+            cmd.choice("units", ("lattice", "box"))
+    return region if side == "in" else Region(region.style, lambda x: ~region.contains(x))
+
+
+def find_region(setup: Setup, cmd: Command, name: str) -> Region:
+    """The region of that ID. Raises InputError listing those there are."""
+    if name not in setup.regions:
+        raise cmd.error(f"region {name!r} does not exist; defined: {', '.join(setup.regions) or 'none'}")
+    found: Region = setup.regions[name]
+    return found

@@ -1,0 +1,79 @@
+"""From the state of a deck to the frozen scene of the solver."""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import Any
+
+import numpy as np
+from demsolver.scene import Neighbor, Particles, Scene
+
+from demverify.deck.forces import FORCES, nve_sphere
+from demverify.deck.setup import Atoms, NeighborSpec, Setup
+from demverify.errors import InputError
+
+_SKIN = {"lj": 0.3, "si": 0.001, "cgs": 0.1, "micro": 0.1}
+_DELAY = {"lammps": 0, "liggghts": 10}
+
+
+def scene_of(setup: Setup) -> Scene:
+    """The scene that a run starts from. Raises InputError: no box, a particle without mass, two at one place, a wrong contact law."""
+    if setup.box is None or setup.atoms is None:
+        raise InputError("the deck made no simulation box: create_box or read_data is missing", setup.pair_place)
+    _check_particles(setup.atoms, setup)
+    law: Any = import_module(f"demverify.deck.materials_{setup.dialect}")
+    fixes = setup.fixes.values()
+    return Scene(
+        box=setup.box,
+        particles=_particles(setup.atoms),
+        ntypes=setup.ntypes,
+        timestep=setup.dt,
+        pair=law.pair_law(setup),
+        walls=law.walls(setup),
+        forces=tuple(FORCES[spec.style](setup, spec) for spec in fixes if spec.style in FORCES),
+        integrate=tuple(nve_sphere(setup, spec) for spec in fixes if spec.style == "nve/sphere"),
+        neighbor=_neighbor(setup, setup.neighbor),
+        dimension=setup.dimension,
+        lost=setup.thermo.modify.get("lost", "error"),  # type: ignore[arg-type]
+        history_outlives_contact=setup.dialect == "liggghts" and setup.neighbor.contact_distance_factor == 1.0,
+    )
+
+
+def _particles(atoms: Atoms) -> Particles:
+    names = ("id", "type", "x", "v", "omega", "radius", "mass", "mask", "image")
+    return Particles(**{name: getattr(atoms, name).copy() for name in names})
+
+
+def _neighbor(setup: Setup, spec: NeighborSpec) -> Neighbor:
+    bits, types = [], []
+    for what, a, b in spec.exclude:
+        if what == "group":
+            bits.append((setup.groups[a], setup.groups[b]))
+        else:
+            types.append((int(a), int(b)))
+    skin = spec.skin if spec.skin is not None else _SKIN[setup.units]
+    delay = spec.delay if spec.delay is not None else _DELAY[setup.dialect]
+    return Neighbor(skin, spec.every, delay, spec.check, tuple(bits), tuple(types))
+
+
+def _check_particles(atoms: Atoms, setup: Setup) -> None:
+    place = setup.pair_place
+    for name in ("x", "v", "omega", "radius"):
+        column = getattr(atoms, name).reshape(atoms.n, -1)
+        if not np.isfinite(column).all():
+            row = int(np.argmin(np.isfinite(column).all(axis=1)))
+            raise InputError(f"particle {atoms.id[row]}: {name} is not a finite number", place)
+    massless = ~(np.isfinite(atoms.mass) & (atoms.mass > 0.0))
+    if massless.any():
+        row = int(np.argmax(massless))
+        raise InputError(f"particle {atoms.id[row]} has no mass: give it a density or a mass with `set`", place)
+    _check_apart(atoms, setup)
+
+
+def _check_apart(atoms: Atoms, setup: Setup) -> None:
+    order = np.lexsort(atoms.x.T)
+    x = atoms.x[order]
+    same = np.flatnonzero((x[1:] == x[:-1]).all(axis=1))
+    if len(same):
+        first, second = sorted(atoms.id[order[same[0] : same[0] + 2]].tolist())
+        raise InputError(f"particles {first} and {second} are at one place, {x[same[0]].tolist()}", setup.pair_place)

@@ -1,0 +1,149 @@
+"""Values of thermo keywords, computes and variables of a running native simulation, with the engines' own definitions."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from time import perf_counter
+
+import numpy as np
+from demsolver import Simulation
+from demsolver.computes import erotate, erotate_sphere, ke
+from demsolver.scene import Particles
+from demsolver.state import Floats, selected
+from demverify.deck.setup import Setup, Spec
+from demverify.deck.state_values import state_value
+from demverify.errors import InputError, Place
+from demverify.formats.columns import COLUMNS, Snapshot
+
+BOLTZMANN = {
+    "lammps": {"lj": 1.0, "si": 1.380649e-23, "cgs": 1.380649e-16, "micro": 1.380649e-8},
+    "liggghts": {"lj": 1.0, "si": 1.3806504e-23, "cgs": 1.3806504e-16, "micro": 1.3806504e-8},
+}
+INDEXED = re.compile(r"c_([^\[\]]+)(?:\[(\d+)\])?$")
+COMPUTES = ("erotate", "erotate/sphere", "ke", "reduce")
+REDUCE: dict[str, Callable[[Floats], float]] = {
+    "sum": lambda a: float(a.sum()),
+    "min": lambda a: float(a.min(initial=np.inf)),
+    "max": lambda a: float(a.max(initial=-np.inf)),
+    "ave": lambda a: float(a.mean()) if len(a) else 0.0,
+    "sumsq": lambda a: float(a @ a),
+    "avesq": lambda a: float(a @ a) / len(a) if len(a) else 0.0,
+}
+EXTENSIVE_MODES = ("sum", "sumsq")
+
+
+@dataclass(frozen=True)
+class Meter:
+    """Reads values off a simulation. start: step at which the run began; began: its clock."""
+
+    setup: Setup
+    simulation: Simulation
+    start: int
+    began: float
+
+    def value(self, keyword: str, *, normalise: bool) -> float:
+        """The value of a thermo keyword, c_ID, c_ID[i] or v_NAME. normalise: extensive values per particle (thermo_modify norm yes).
+
+        Raises InputError naming what exists.
+        """
+        if keyword.startswith("v_"):
+            return float(self.setup.variables.number(keyword[2:], Place(Path("thermo_style"))))
+        if found := INDEXED.match(keyword):
+            return self._compute(found[1], int(found[2] or 0), normalise=normalise)
+        if keyword in _KEYWORDS:
+            number = _KEYWORDS[keyword](self)
+            extensive = normalise and keyword in _EXTENSIVE
+            return number / self.count if extensive and self.count else number
+        if (known := state_value(self.setup, keyword)) is not None:
+            return known
+        message = f"thermo keyword {keyword!r} is not one of {' '.join(_KEYWORDS)} step dt time atoms vol lx ly lz xlo xhi ... or c_ID, v_NAME"
+        raise InputError(message)
+
+    @property
+    def count(self) -> int:
+        """Number of particles."""
+        return len(self.simulation.id)
+
+    @property
+    def degrees(self) -> float:
+        """Translational degrees of freedom as `compute temp` counts them: d N - d."""
+        return float(self.setup.dimension * (self.count - 1))
+
+    @property
+    def kinetic(self) -> float:
+        """Kinetic energy; zero for one particle, to which the engines leave no degree of freedom."""
+        b = self.simulation.bodies
+        return ke(b.mass, b.v) if self.degrees > 0 else 0.0
+
+    @property
+    def temperature(self) -> float:
+        """2 ke / (degrees k_B)."""
+        return 2.0 * self.kinetic / (self.degrees * self.boltzmann) if self.degrees > 0 else 0.0
+
+    @property
+    def boltzmann(self) -> float:
+        """k_B in the deck's units."""
+        return BOLTZMANN[self.setup.dialect][self.setup.units]
+
+    @property
+    def pressure(self) -> float:
+        """Kinetic part and pair virial over the volume; walls do not count, as in the engines."""
+        volume = float(np.prod((self.simulation.box_hi - self.simulation.box_lo)[: self.setup.dimension]))
+        return (self.temperature * self.degrees * self.boltzmann + self.simulation.pair_virial()) / (
+            self.setup.dimension * volume
+        )
+
+    def _compute(self, name: str, index: int, *, normalise: bool) -> float:
+        spec = self.setup.computes.get(name)
+        if spec is None:
+            message = f"compute {name!r} is not one of {', '.join(self.setup.computes) or 'none'}"
+            raise InputError(message)
+        members = self._members(spec.group)
+        if spec.style == "reduce":
+            number, extensive = self._reduce(spec, members, index)
+        else:
+            number, extensive = _ENERGIES[spec.style](members), True
+        return number / self.count if normalise and extensive and self.count else number
+
+    def _members(self, group: str) -> Particles:
+        everything = self.simulation.particles()
+        chosen = selected(everything.mask, self.setup.groups[group])
+        return (
+            everything if chosen.all() else Particles(*(getattr(everything, f)[chosen] for f in Particles.__dataclass_fields__))
+        )
+
+    def _reduce(self, spec: Spec, members: Particles, index: int) -> tuple[float, bool]:
+        mode, *inputs = spec.args
+        wanted = inputs[max(0, index - 1)] if index <= len(inputs) else ""
+        if mode not in REDUCE or wanted not in COLUMNS:
+            message = f"compute reduce {mode} {wanted} is not supported; modes: {' '.join(REDUCE)}; inputs: {' '.join(COLUMNS)}"
+            raise InputError(message, spec.place)
+        chosen = selected(self.simulation.bodies.mask, self.setup.groups[spec.group])
+        b = self.simulation.bodies
+        snapshot = Snapshot(self.simulation.step, self.simulation.box(), members, b.force[chosen], b.torque[chosen], members.id)
+        return REDUCE[mode](COLUMNS[wanted](snapshot).astype(np.float64)), mode in EXTENSIVE_MODES
+
+
+_ENERGIES: dict[str, Callable[[Particles], float]] = {
+    "ke": lambda p: ke(p.mass, p.v),
+    "erotate/sphere": lambda p: erotate_sphere(p.mass, p.radius, p.omega),
+    "erotate": erotate,
+}
+_KEYWORDS: dict[str, Callable[[Meter], float]] = {
+    "ke": lambda m: m.kinetic,
+    "pe": lambda m: 0.0,
+    "epair": lambda m: 0.0,
+    "emol": lambda m: 0.0,
+    "evdwl": lambda m: 0.0,
+    "etotal": lambda m: m.kinetic,
+    "temp": lambda m: m.temperature,
+    "press": lambda m: m.pressure,
+    "erotate": lambda m: _ENERGIES["erotate"](m.simulation.particles()),
+    "elapsed": lambda m: m.simulation.step - m.start,
+    "cpu": lambda m: perf_counter() - m.began if m.simulation.step > m.start else 0.0,
+    "density": lambda m: float(m.simulation.bodies.mass.sum() / np.prod(m.simulation.box_hi - m.simulation.box_lo)),
+}
+_EXTENSIVE = ("ke", "etotal", "erotate")

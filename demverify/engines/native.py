@@ -1,0 +1,295 @@
+"""The native engine: reads the deck itself and runs it in demsolver, leaving the files LAMMPS or LIGGGHTS would."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from contextlib import ExitStack
+from dataclasses import dataclass, field
+from pathlib import Path
+from time import perf_counter
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from demverify.engines.base import Found, Job, Missing, Outcome, Progress
+from demverify.errors import InputError
+
+if TYPE_CHECKING:
+    from demsolver import EnergyBudget, Simulation
+    from demverify.deck.setup import Setup
+    from demverify.formats.columns import Snapshot
+    from demverify.formats.dump import DumpWriter
+    from demverify.frames import Frame
+
+TRAJECTORY = (
+    "id type x y z ix iy iz vx vy vz fx fy fz omegax omegay omegaz tqx tqy tqz radius mass".split()
+)  # fmt: skip
+PATIENCE_S = 0.5  # between two signs of life
+
+
+@dataclass
+class Outputs:
+    """What a native run leaves in its folder, and keeps for the caller: the frames of the trajectory file and the energy budgets."""
+
+    frames: list[Frame] = field(default_factory=list)
+    budgets: list[tuple[int, float, EnergyBudget]] = field(default_factory=list)
+    steps: int = 0
+    particle_steps: int = 0
+    loop_s: float = 0.0
+
+
+class NativeBackend:
+    """Runs what the interpreter hands over.
+
+    nudge: moves the positions of the first run, for the chaos envelope. keep: keep frames in memory. budget: keep the energy account.
+    """
+
+    def __init__(
+        self,
+        folder: Path,
+        *,
+        every: int | None,
+        threads: int = 1,
+        budget: bool = False,
+        nudge: Callable[[Any], Any] | None = None,
+        keep: bool = False,
+        progress: Progress | None = None,
+    ) -> None:
+        self.outputs = Outputs()
+        self._folder, self._every, self._threads, self._budget = folder, every, threads, budget
+        self._nudge, self._keep, self._progress = nudge, keep, progress
+        self._simulation: Simulation | None = None
+        self._files = ExitStack()
+        self._dumps: dict[str, tuple[DumpWriter, int]] = {}
+        self._log: Any = None
+        self._thermo: list[tuple[tuple[str, ...], list[list[float]]]] = []
+        self._trajectory: Any = None
+        self._last_frame = -1
+
+    def __enter__(self) -> NativeBackend:
+        """Opens log and trajectory."""
+        from demverify.formats.atomic import atomic_write
+        from demverify.formats.h5md import TrajectoryWriter
+
+        self._folder.mkdir(parents=True, exist_ok=True)
+        self._log = self._files.enter_context(self._files.enter_context(atomic_write(self._folder / "log.native", keep=True)).open("w"))
+        self._trajectory = self._files.enter_context(TrajectoryWriter(self._folder / "trajectory.h5"))
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        """Closes every file; what was written stays readable."""
+        from demverify.formats.thermo import write_thermo_csv
+        from demverify.frames import Thermo
+
+        try:
+            if self._thermo:
+                titles, rows = self._thermo[-1]
+                write_thermo_csv(self._folder / "thermo.csv", Thermo(titles, np.array(rows, dtype=float).reshape(-1, len(titles))))
+        finally:
+            self._files.__exit__(*error)  # type: ignore[arg-type]
+
+    def run(self, setup: Setup, steps: int) -> None:
+        """One `run` command."""
+        simulation = self._prepare(setup)
+        run = _Run(self, setup, simulation, steps)
+        began = perf_counter()
+        simulation.setup()
+        run.output()
+        while simulation.step < run.end:
+            self._advance(simulation, run)
+            run.output()
+        self.outputs.loop_s += perf_counter() - began
+        self.outputs.steps += steps
+        self.outputs.particle_steps += steps * len(simulation.id)
+
+    def value(self, setup: Setup, keyword: str) -> float:
+        """A value for a formula: from the running simulation, else from the state of the deck."""
+        from demverify.deck.state_values import state_value
+        from demverify.engines._thermo import Meter
+
+        if (known := state_value(setup, keyword)) is not None:
+            return known
+        if self._simulation is None:
+            message = f"the formula needs {keyword}, which only a run gives"
+            raise InputError(message)
+        return Meter(setup, self._simulation, self._simulation.step, 0.0).value(keyword, normalise=normalised(setup))
+
+    def _prepare(self, setup: Setup) -> Simulation:
+        from demsolver import Simulation
+        from demverify.deck.scene_builder import scene_of
+
+        scene = scene_of(setup)
+        if self._simulation is None:
+            if self._nudge is not None:
+                scene.particles.x[:] = self._nudge(scene.particles.x)
+            virial = "press" in _keywords(setup)
+            self._simulation = Simulation(scene, threads=self._threads, budget=self._budget, virial=virial)
+        else:
+            self._simulation = self._simulation.continue_with(scene)
+        self._simulation.step = setup.step
+        return self._simulation
+
+    def _advance(self, simulation: Simulation, run: _Run) -> None:
+        """To the next output, in portions short enough to show progress."""
+        goal, portion = run.next_output(), 1
+        while simulation.step < goal:
+            began = perf_counter()
+            simulation.advance(min(portion, goal - simulation.step))
+            spent = perf_counter() - began
+            portion = max(1, int(portion * min(8.0, PATIENCE_S / max(spent, 1e-6))))
+            if self._progress:
+                self._progress(simulation.step - run.start, run.steps)
+
+
+class _Run:
+    """The output of one `run`: which steps, and what is written at them."""
+
+    def __init__(self, backend: NativeBackend, setup: Setup, simulation: Simulation, steps: int) -> None:
+        from demverify.engines._thermo import Meter
+        from demverify.formats.thermo import ThermoTable, thermo_formats, thermo_keywords
+
+        self.backend, self.setup, self.simulation, self.steps = backend, setup, simulation, steps
+        self.start, self.end = setup.step, setup.step + steps
+        self.meter = Meter(setup, simulation, self.start, perf_counter())
+        changes = any(face in "sm" for faces in setup.boundary for face in faces)
+        keywords = thermo_keywords(setup.thermo, setup.dialect, box_changes=changes)
+        self.table = ThermoTable(keywords, setup.dialect, thermo_formats(setup.thermo))
+        self._open_dumps()
+        backend._log.write(self.table.header())
+        if not backend._thermo or backend._thermo[-1][0] != self.table.titles:
+            backend._thermo.append((self.table.titles, []))
+
+    def next_output(self) -> int:
+        """The next step at which anything is written, or the end."""
+        rhythms = [self.setup.thermo.every, self.backend._every or 0, *(dump.every for dump in self.setup.dumps.values())]
+        now = self.simulation.step
+        return min([self.end, *(now - now % every + every for every in rhythms if every > 0)])
+
+    def output(self) -> None:
+        """Writes what is due at this step."""
+        step, thermo = self.simulation.step, self.setup.thermo
+        _bring_back(self.setup, self.simulation)
+        if step in (self.start, self.end) or (thermo.every and step % thermo.every == 0):
+            self._write_thermo()
+        for dump in self.setup.dumps.values():
+            self._write_dump(dump, step)
+        self._write_frame(step)
+
+    def _write_thermo(self) -> None:
+        norm = normalised(self.setup)
+        values = [self.meter.value(keyword, normalise=norm) for keyword in self.table.keywords]
+        self.backend._log.write(self.table.row(values))
+        rows = self.backend._thermo[-1][1]
+        if not (rows and "Step" in self.table.titles and rows[-1][self.table.titles.index("Step")] == self.simulation.step):
+            rows.append(values)
+
+    def _open_dumps(self) -> None:
+        from demverify.formats.dump import DumpWriter
+
+        known = self.backend._dumps
+        for name, spec in self.setup.dumps.items():
+            if name not in known:
+                known[name] = (self.backend._files.enter_context(DumpWriter(spec, self.setup.dialect, self.backend._folder)), -1)
+
+    def _write_dump(self, spec: Any, step: int) -> None:
+        from demverify.formats.columns import snapshot_frame
+
+        writer, last = self.backend._dumps[spec.id]
+        if step != last and (step % spec.every == 0 or (spec.first and last < 0)):
+            writer.write(snapshot_frame(self._snapshot(spec.group), spec.columns, spec.place))
+            self.backend._dumps[spec.id] = (writer, step)
+
+    def _write_frame(self, step: int) -> None:
+        from demverify.formats.columns import snapshot_frame
+
+        backend, every = self.backend, self.backend._every
+        if every is None or step == backend._last_frame or not (step % every == 0 or step == self.end):
+            return
+        backend._last_frame = step
+        frame = snapshot_frame(self._snapshot("all"), TRAJECTORY)
+        backend._trajectory.write(frame, self.setup.time)
+        if backend._keep:
+            backend.outputs.frames.append(frame)
+        if backend._budget:
+            backend.outputs.budgets.append((step, self.setup.time, self.simulation.energy_budget()))
+
+    def _snapshot(self, group: str) -> Snapshot:
+        from demsolver.scene import Particles
+        from demsolver.state import selected
+        from demverify.formats.columns import Snapshot
+
+        sim, atoms = self.simulation, self.setup.atoms
+        assert atoms is not None
+        p, molecule = sim.particles(), atoms.molecule[np.isin(atoms.id, sim.id)]
+        chosen = selected(p.mask, self.setup.groups[group])
+        if not chosen.all():
+            p, molecule = Particles(*(getattr(p, f)[chosen] for f in Particles.__dataclass_fields__)), molecule[chosen]
+        b = sim.bodies
+        return Snapshot(sim.step, sim.box(), p, b.force[chosen], b.torque[chosen], molecule, self.setup.dimension)
+
+
+def normalised(setup: Setup) -> bool:
+    """Whether extensive thermo values are per particle: thermo_modify norm, by default yes for lj units only."""
+    return setup.thermo.modify.get("norm", "yes" if setup.units == "lj" else "no") == "yes"
+
+
+def _keywords(setup: Setup) -> tuple[str, ...]:
+    from demverify.formats.thermo import thermo_keywords
+
+    return thermo_keywords(setup.thermo, setup.dialect, box_changes=True)
+
+
+def _bring_back(setup: Setup, simulation: Simulation) -> None:
+    """The deck sees the particles, the box and the time of the simulation."""
+    from demverify.deck.setup import Atoms
+
+    assert setup.atoms is not None
+    p, kept = simulation.particles(), np.isin(setup.atoms.id, simulation.id)
+    setup.atoms = Atoms(p.id, p.type, p.x, p.v, p.omega, p.radius, p.mass, p.mask, p.image, setup.atoms.molecule[kept])
+    setup.box = simulation.box()
+    setup.time += (simulation.step - setup.step) * setup.dt
+    setup.step = simulation.step
+
+
+class Native:
+    """The engine that is always there."""
+
+    name = "native"
+
+    def find(self) -> Found | Missing:
+        """Our own version and folder."""
+        from importlib.metadata import version
+
+        import demsolver
+
+        return Found(version("demverify"), Path(demsolver.__file__).parent)
+
+    def run(self, job: Job, progress: Progress | None = None) -> Outcome:
+        """Runs the deck. Raises InputError for a deck that is wrong or not supported."""
+        return self.run_with(job, progress)[0]
+
+    def run_with(self, job: Job, progress: Progress | None = None, **settings: Any) -> tuple[Outcome, Outputs]:
+        """Runs the deck; also returns the frames and budgets that NativeBackend was asked to keep by `settings`."""
+        from demsolver import LostParticles, Unstable
+        from demverify.deck.dialects import detect_dialect
+        from demverify.deck.interpreter import Interpreter
+
+        began, reason = perf_counter(), ""
+        backend = NativeBackend(job.folder, every=job.every, threads=job.threads, progress=progress, **settings)
+        with backend:
+            try:
+                Interpreter(detect_dialect(job.deck), job.variables, backend).run_deck(job.deck)
+            except (LostParticles, Unstable) as error:
+                reason = str(error)
+        out, found = backend.outputs, self.find()
+        rate = out.particle_steps / out.loop_s if out.loop_s > 0 else 0.0
+        n = len(backend._simulation.id) if backend._simulation else 0
+        log = job.folder / "log.native"
+        outcome = Outcome(
+            self.name, "crashed" if reason else "ok", reason, found.version if isinstance(found, Found) else "", perf_counter() - began,
+            out.steps, n, rate, job.folder, log, job.folder / "trajectory.h5", tuple(TRAJECTORY), log,
+        )  # fmt: skip
+        return outcome, out
+
+
+ENGINE = Native()

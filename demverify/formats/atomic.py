@@ -1,0 +1,37 @@
+"""Writing a file so that no reader ever meets half of it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from demverify.errors import InputError
+
+
+def part_path(path: Path) -> Path:
+    """Where the bytes of `path` gather until it is whole: `path.part`, in the same folder."""
+    return path.with_name(path.name + ".part")
+
+
+@contextmanager
+def atomic_write(path: Path, *, keep: bool = False) -> Iterator[Path]:
+    """Yields the name of a temporary file to write; on success it becomes `path`, on failure it is removed.
+
+    keep: for streams of frames that are each written whole: also an interrupted one becomes `path`, as far as it got.
+    (After SIGKILL nothing runs any more: `path.part` is left.)
+    Raises InputError where the folder does not exist.
+    """
+    if not path.parent.is_dir():
+        message = f"cannot write {path.name}: there is no folder {path.parent}"
+        raise InputError(message)
+    temporary = part_path(path)
+    try:
+        yield temporary
+    except BaseException:
+        if not keep:
+            temporary.unlink(missing_ok=True)
+        elif temporary.exists():
+            temporary.replace(path)
+        raise
+    temporary.replace(path)

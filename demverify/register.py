@@ -1,0 +1,312 @@
+"""The register of known engine deviations: `register.toml`, and which of its entries can explain a difference between engines.
+
+An entry says what one engine does that a closed form, the manual or the other engine does not, how large it is, and which test
+shows it by running the engine. The same tests fail when the engine is mended, so that the register does not go stale.
+"""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Callable, Collection, Iterable
+from dataclasses import dataclass, field, fields
+from pathlib import Path
+from typing import Any, Literal, get_args
+
+from demverify.deck.setup import Dialect, Setup, Spec
+from demverify.errors import InputError, Place
+
+FILE = Path(__file__).with_name("register.toml")
+Words = frozenset[str]
+Engine = Literal["lammps", "liggghts", "both"]
+Kind = Literal["defect", "convention", "trap"]
+ENGINES = ("native", "lammps", "liggghts", "law")
+
+
+@dataclass(frozen=True)
+class Features:
+    """What a deck uses, as words of its dialect, and what follows from them.
+
+    pair_styles, wall_styles: "granular", "gran/hooke/history", "hooke/history" ...; "gran" and "model" in LIGGGHTS; "region" walls.
+    normal: hooke, hertz, hertz/material, hooke/stiffness, hertz/stiffness. damping: LAMMPS' words; "restitution" for LIGGGHTS hooke
+    and hertz, "gamma" for its stiffness models; "none" when the coefficient is zero. tangential: off, no_history, history.
+    switches: limit_damping (LIGGGHTS limitForce), viscous, ktToKnUser. cylinders: axes x y z. computes, fixes: styles. thermo: columns.
+    friction: some coefficient is not zero. undamped_wall: a wall without normal damping. discs: spheres integrated as discs.
+    short_dumps: a dump without a format of its own. runs: number of `run` commands. particles: their number.
+    """
+
+    pair_styles: Words = frozenset()
+    wall_styles: Words = frozenset()
+    normal: Words = frozenset()
+    damping: Words = frozenset()
+    tangential: Words = frozenset()
+    switches: Words = frozenset()
+    cylinders: Words = frozenset()
+    computes: Words = frozenset()
+    fixes: Words = frozenset()
+    thermo: Words = frozenset()
+    friction: bool = False
+    frozen: bool = False
+    undamped_wall: bool = False
+    discs: bool = False
+    short_dumps: bool = False
+    runs: int = 1
+    particles: int = 0
+    dimension: int = 3
+
+
+NEEDS: dict[str, Callable[[Features], bool]] = {
+    "pairs": lambda f: bool(f.pair_styles),
+    "walls": lambda f: bool(f.wall_styles),
+    "cylinder": lambda f: bool(f.cylinders),
+    "friction": lambda f: f.friction,
+    "frozen": lambda f: f.frozen,
+    "damping": lambda f: bool(f.damping - {"none"}),
+    "unlimited damping": lambda f: bool(f.damping - {"none"}) and "limit_damping" not in f.switches,
+    "undamped wall": lambda f: f.undamped_wall,
+    "several runs": lambda f: f.runs > 1,
+    "one particle": lambda f: f.particles == 1,
+    "two dimensions": lambda f: f.dimension == 2,
+    "discs": lambda f: f.discs,
+    "short dumps": lambda f: f.short_dumps,
+}
+WORD_LISTS = (
+    "pair_styles",
+    "wall_styles",
+    "normal",
+    "damping",
+    "tangential",
+    "switches",
+    "cylinders",
+    "computes",
+    "fixes",
+    "thermo",
+)
+
+
+@dataclass(frozen=True)
+class Conditions:
+    """When an entry touches a deck: of each list given here the deck has at least one word, and it has everything in `needs`.
+
+    styles: of pairs or walls. dialects: of the deck. needs: words of NEEDS. The other lists: those of Features."""
+
+    dialects: Words = frozenset()
+    styles: Words = frozenset()
+    needs: Words = frozenset()
+    lists: tuple[tuple[str, Words], ...] = ()
+
+    def met(self, dialect: Dialect, features: Features) -> bool:
+        """Whether a deck of this dialect with these features is touched."""
+        return (
+            (not self.dialects or dialect in self.dialects)
+            and (not self.styles or bool(self.styles & (features.pair_styles | features.wall_styles)))
+            and all(NEEDS[need](features) for need in self.needs)
+            and all(words & getattr(features, name) for name, words in self.lists)
+        )
+
+
+@dataclass(frozen=True)
+class Entry:
+    """One deviation. engine, version: who has it. what: for a DEM user. size: as measured. how: the test that shows it. link: where it
+    is discussed or written. kind: "defect", "convention" (engines follow different rules) or "trap" (a user will misread it).
+    applies: None when it changes no number, e.g. a lost error message."""
+
+    id: str
+    engine: Engine
+    version: str
+    what: str
+    size: str
+    how: str
+    link: str
+    kind: Kind
+    applies: Conditions | None = field(default=None)
+
+    def parts(self, engines: Collection[str], dialect: Dialect) -> bool:
+        """Whether the deviation lies between some two of `engines` (words of ENGINES; "law": a closed form).
+
+        The native engine keeps the conventions of the deck's dialect, and no defect."""
+        owners = {"lammps", "liggghts"} if self.engine == "both" else {self.engine}
+        if self.kind == "convention" and dialect in owners:
+            owners = owners | {"native"}
+        shared_trap = self.kind == "trap" and self.engine == "both"
+        return bool(owners & set(engines)) and (shared_trap or bool(set(engines) - owners))
+
+
+def load(path: Path = FILE) -> tuple[Entry, ...]:
+    """All entries, in the order of the file. Raises InputError on a malformed file."""
+    try:
+        tables = tomllib.loads(path.read_text(encoding="utf-8")).get("entry", [])
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError, OSError) as error:
+        raise InputError(f"no readable register: {error}", Place(path)) from error
+    if not isinstance(tables, list) or not tables:
+        raise InputError("no entries; expected tables [[entry]]", Place(path))
+    entries = tuple(_entry(table, number, path) for number, table in enumerate(tables, 1))
+    _require_unique(entries, path)
+    return entries
+
+
+def applying(dialect: Dialect, features: Features, engines: Collection[str]) -> tuple[Entry, ...]:
+    """The entries that can explain a difference between `engines` (two or more words of ENGINES) on a deck of this dialect.
+
+    Raises InputError when a name is not one of ENGINES."""
+    for engine in engines:
+        _one_of(engine, ENGINES, "engine", None)
+    return tuple(
+        entry for entry in load() if entry.applies and entry.parts(engines, dialect) and entry.applies.met(dialect, features)
+    )
+
+
+def _entry(table: dict[str, Any], number: int, path: Path) -> Entry:
+    place, name = Place(path), f"entry {table.get('id', number)}"
+    texts = [f.name for f in fields(Entry) if f.name != "applies"]
+    _known(table, [*texts, "applies"], name, place)
+    for key in texts:
+        if not isinstance(table.get(key), str) or not table[key].strip():
+            raise InputError(f"{name}: {key} is missing or not a text; expected all of {', '.join(texts)}", place)
+    _one_of(table["engine"], get_args(Engine), f"{name}: engine", place)
+    _one_of(table["kind"], get_args(Kind), f"{name}: kind", place)
+    applies = _conditions(table["applies"], name, place) if "applies" in table else None
+    return Entry(**{key: table[key] for key in texts}, applies=applies)
+
+
+def _conditions(table: Any, name: str, place: Place) -> Conditions:
+    allowed = ("dialects", "styles", "needs", *WORD_LISTS)
+    if not isinstance(table, dict) or not table:
+        raise InputError(
+            f"{name}: applies must be a table with some of {', '.join(allowed)}; leave it out if no number changes", place
+        )
+    _known(table, allowed, f"{name}: applies", place)
+    words = {key: _words(value, f"{name}: {key}", place) for key, value in table.items()}
+    for key, choices in (("dialects", get_args(Dialect)), ("needs", NEEDS)):
+        for word in sorted(words.get(key, ())):
+            _one_of(word, choices, f"{name}: {key}", place)
+    single = {key: words[key] for key in ("dialects", "styles", "needs") if key in words}
+    return Conditions(**single, lists=tuple((key, words[key]) for key in WORD_LISTS if key in words))
+
+
+def _words(value: Any, name: str, place: Place) -> Words:
+    if not isinstance(value, list) or not value or not all(isinstance(word, str) for word in value):
+        raise InputError(f"{name} must be a list of words, got {value!r}", place)
+    return frozenset(value)
+
+
+def _known(table: dict[str, Any], names: Iterable[str], what: str, place: Place) -> None:
+    for key in table:
+        _one_of(key, tuple(names), f"{what}: key", place)
+
+
+def _one_of(word: str, choices: Iterable[str], what: str, place: Place | None) -> None:
+    if word not in choices:
+        raise InputError(f"{what} {word!r} is not one of {', '.join(choices)}", place)
+
+
+def _require_unique(entries: tuple[Entry, ...], path: Path) -> None:
+    seen: set[str] = set()
+    for entry in entries:
+        if entry.id in seen:
+            raise InputError(f"two entries have the id {entry.id!r}; expected one each", Place(path))
+        seen.add(entry.id)
+
+
+def features_of(setup: Setup, runs: int) -> Features:
+    """The features of a deck at its last run; `runs`: how many `run` commands it has."""
+    laws = [*_pair_laws(setup), *(law for fix in _walls(setup) for law in _wall_laws(fix))]
+    integrators = [fix for fix in setup.fixes.values() if fix.style == "nve/sphere"]
+    return Features(
+        pair_styles=frozenset(setup.pair_style[:1] if setup.pair_style else ()) - {"none"},
+        wall_styles=frozenset(_wall_style(fix) for fix in _walls(setup)),
+        normal=frozenset(law.normal for law in laws),
+        damping=frozenset(law.damping for law in laws),
+        tangential=frozenset(law.tangential for law in laws),
+        switches=frozenset[str]().union(*(law.switches for law in laws)),
+        cylinders=frozenset(word[0] for fix in _walls(setup) for word in fix.args if word.endswith("cylinder")),
+        computes=frozenset(compute.style for compute in setup.computes.values()),
+        fixes=frozenset(fix.style for fix in setup.fixes.values()),
+        thermo=frozenset(setup.thermo.columns),
+        friction=any(law.mu != 0 for law in laws) or _liggghts_friction(setup),
+        frozen=any(fix.style == "freeze" for fix in setup.fixes.values()),
+        undamped_wall=any(law.damping == "none" for fix in _walls(setup) for law in _wall_laws(fix)),
+        discs=any("disc" in fix.args or (setup.dialect, setup.dimension) == ("liggghts", 2) for fix in integrators),
+        short_dumps=any(not dump.format for dump in setup.dumps.values()),
+        runs=runs,
+        particles=setup.atoms.n if setup.atoms else 0,
+        dimension=setup.dimension,
+    )
+
+
+@dataclass(frozen=True)
+class _Law:
+    """One contact law of a deck, in the words of Features."""
+
+    normal: str
+    damping: str
+    tangential: str
+    mu: float = 0.0
+    switches: Words = frozenset()
+
+
+def _pair_laws(setup: Setup) -> list[_Law]:
+    style = setup.pair_style or ("none",)
+    if style[0] == "granular":
+        return [_granular(words[2:]) for words, _ in setup.pair_coeffs]
+    if style[0] == "gran":
+        return [_liggghts(style[1:])]
+    return [_legacy(style[0].removeprefix("gran/"), style[1:])] if style[0].startswith("gran/") else []
+
+
+def _walls(setup: Setup) -> list[Spec]:
+    return [fix for fix in setup.fixes.values() if fix.style in ("wall/gran", "wall/gran/region") and fix.args]
+
+
+def _wall_style(fix: Spec) -> str:
+    return "region" if fix.style == "wall/gran/region" else fix.args[0]
+
+
+def _wall_laws(fix: Spec) -> list[_Law]:
+    style, rest = fix.args[0], fix.args[1:]
+    if style in ("granular", "model"):
+        return [_granular(rest) if style == "granular" else _liggghts(fix.args)]
+    return [_legacy(style, rest)]
+
+
+def _legacy(style: str, numbers: tuple[str, ...]) -> _Law:
+    """`hooke`, `hooke/history`, `hertz/history` with kn kt gamma_n gamma_t mu dampflag [limit_damping]."""
+    normal, _, memory = style.partition("/")
+    damping = "none" if _number(numbers, 2) == 0 else "mass_velocity" if normal == "hooke" else "viscoelastic"
+    switches = frozenset({"limit_damping"}) & frozenset(numbers)
+    return _Law(normal, damping, "history" if memory else "no_history", _number(numbers, 4), switches)
+
+
+def _granular(words: tuple[str, ...]) -> _Law:
+    """`NORMAL numbers [tangential KIND [kt] xt mu] [damping KIND] [limit_damping]`."""
+    tangential = _after(words, "tangential", "none")
+    memory = {"none": "off", "linear_nohistory": "no_history"}.get(tangential, "history")
+    mu_at = words.index(tangential) + (2 if memory == "no_history" else 3) if memory != "off" else len(words)
+    damping = "none" if len(words) > 2 and _number(words, 2) == 0 else _after(words, "damping", "viscoelastic")
+    return _Law(words[0], damping, memory, _number(words, mu_at), frozenset({"limit_damping"}) & frozenset(words))
+
+
+def _liggghts(words: tuple[str, ...]) -> _Law:
+    """`model NORMAL [tangential KIND] ... [SWITCH on|off]`; friction stands in a fix property/global."""
+    normal = _after(words, "model", "hooke")
+    on = {name for name, state in zip(words, words[1:], strict=False) if state == "on"}
+    switches = {"limit_damping" if name == "limitForce" else name for name in on}
+    damping = "gamma" if normal.endswith("/stiffness") else "restitution"
+    return _Law(normal, damping, _after(words, "tangential", "off"), 0.0, frozenset(switches))
+
+
+def _liggghts_friction(setup: Setup) -> bool:
+    properties = [fix.args for fix in setup.fixes.values() if fix.style == "property/global"]
+    return any(_number(args, k) != 0 for args in properties if args[:1] == ("coefficientFriction",) for k in range(3, len(args)))
+
+
+def _after(words: tuple[str, ...], keyword: str, default: str) -> str:
+    """The word behind a keyword."""
+    return words[words.index(keyword) + 1] if keyword in words[:-1] else default
+
+
+def _number(words: tuple[str, ...], index: int) -> float:
+    """The number at a place; 0 when it is absent, NULL or off the end."""
+    try:
+        return float(words[index])
+    except (IndexError, ValueError):
+        return 0.0

@@ -1,0 +1,127 @@
+"""The report for people: one html file that needs nothing else, neither network nor script."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from html import escape
+from importlib.resources import files
+from pathlib import Path
+from string import Template
+
+
+from demverify.compare import Tolerances, summary
+from demverify.differences import QUANTITIES
+from demverify.report import pictures, tables
+from demverify.report.content import DifferenceCurve, EngineInfo, EnergySeries, Report, difference_curves
+from demverify.report.json import write_whole
+
+__all__ = ["DifferenceCurve", "EnergySeries", "EngineInfo", "Report", "difference_curves", "render", "write_report"]
+
+
+def write_report(path: Path, report: Report, tolerances: Tolerances | None = None) -> None:
+    """Write the page to `path`, whole or not at all. Raises OSError if the folder cannot be written."""
+    write_whole(path, render(report, tolerances))
+
+
+def render(report: Report, tolerances: Tolerances | None = None) -> str:
+    """The page as text. tolerances: the limits drawn into the pictures of differences."""
+    template = Template(files("demverify.report").joinpath("template.html").read_text(encoding="utf-8"))
+    agrees = report.verdict == "pass"
+    return template.substitute(
+        title=escape(report.title),
+        verdict=report.verdict,
+        word="The engines agree" if agrees else "No agreement",
+        sign=tables.SIGNS[report.verdict],
+        summary=escape(summary(report.checks)),
+        body="\n".join(filter(None, _sections(report, tolerances or Tolerances()))),
+    )
+
+
+def _sections(report: Report, tolerances: Tolerances) -> list[str]:
+    return [
+        _section("Pair by pair", f'<div class="cards">{tables.pair_cards(report.checks)}</div>' if report.checks else ""),
+        _section("Engines", tables.engine_table(report.engines) if report.engines else ""),
+        _section("Differences over time", _differences(report, tolerances), _DIFFERENCES),
+        _section(
+            "Energies", _energies(report), "Where the engines agree, their lines lie on one another: broad, narrow, dashed."
+        ),
+        _section("Verdicts", tables.verdict_table(report.checks, report.entries) if report.checks else "", _VERDICTS),
+        _section("Known deviations", _entries(report)),
+        _section(
+            "What each setting became", tables.settings_table(report.settings_head, report.settings) if report.settings else ""
+        ),
+        _section("Do it again", f"<pre class=command>{escape(report.command)}</pre>" if report.command else ""),
+        _section("Every check", _every_check(report)),
+    ]
+
+
+_DIFFERENCES = """Relative to the largest value so far. Grey: how far the native run parts from itself when it starts one unit in the last
+place away. A difference inside ten times the grey is chaos and says nothing; above the limit and far above the grey, the engines
+compute something else."""
+
+_VERDICTS = """Each row gathers the steps of one quantity and shows the one nearest to, or farthest beyond, its limit."""
+
+
+def _section(title: str, content: str, note: str = "") -> str:
+    """A section with its heading, or nothing if there is nothing to show."""
+    lead = f'<p class="lead">{note}</p>' if note else ""
+    return f"<section><h2>{title}</h2>{lead}{content}</section>" if content else ""
+
+
+def _differences(report: Report, tolerances: Tolerances) -> str:
+    """One picture for each vector quantity that was compared over time, and the legend of all."""
+    pairs = list(dict.fromkeys(curve.engines for curve in report.differences))
+    plots = []
+    for quantity in QUANTITIES:
+        curves = {pairs.index(c.engines): c for c in report.differences if c.quantity == quantity and len(c.step)}
+        if curves:
+            envelope = next((c for c in report.envelope if c.quantity == quantity and len(c.step)), None)
+            failed = [c for c in report.checks if c.quantity == quantity and c.outcome == "fail" and c.kind == "engine"]
+            plots.append(pictures.difference_picture(quantity, curves, envelope, failed, tolerances))
+    legend = [(pictures.swatch(pictures.pair_stroke(k)), " ↔ ".join(pair)) for k, pair in enumerate(pairs)]
+    envelope_key = [('<span class="swatch grey"></span>', "one unit in the last place away")] if report.envelope else []
+    cross_key = (
+        [('<span class="swatch failed">✕</span>', "beyond its limit")] if any(c.outcome == "fail" for c in report.checks) else []
+    )
+    return _plots(plots, [*legend, *envelope_key, *cross_key])
+
+
+def _energies(report: Report) -> str:
+    """One picture for each energy that several engines have, and the whole budget of an engine that has more."""
+    engines = list(report.series)
+    names = list(dict.fromkeys(name for s in report.series.values() if len(s.time) for name in s.values))
+    shared = [name for name in names if len(engines) == 1 or sum(name in s.values for s in report.series.values()) > 1]
+    plots = [pictures.energy_picture(name, report.series) for name in shared]
+    content = _plots(plots, [(pictures.swatch(pictures.engine_stroke(k)), engine) for k, engine in enumerate(engines)])
+    return content + "".join(_budget(engine, s, shared) for engine, s in report.series.items() if set(s.values) - set(shared))
+
+
+def _budget(engine: str, series: EnergySeries, shared: Sequence[str]) -> str:
+    """The budget of one engine: what it shares with others first."""
+    names = sorted(series.values, key=lambda name: name not in shared)
+    if not len(series.time):
+        return ""
+    legend = [(pictures.swatch(pictures.budget_stroke(k)), name) for k, name in enumerate(names)]
+    return f"<h3>Energy budget of {escape(engine)}</h3>" + _plots([pictures.budget_picture(engine, series, names)], legend)
+
+
+def _plots(plots: Sequence[str], legend: Sequence[tuple[str, str]]) -> str:
+    if not plots:
+        return ""
+    keys = "".join(f"<li>{mark}{escape(text)}</li>" for mark, text in legend)
+    drawn = "".join(f"<figure>{plot}</figure>" for plot in plots)
+    return f'<ul class="legend">{keys}</ul><div class="plots">{drawn}</div>'
+
+
+def _entries(report: Report) -> str:
+    """The entries of the register that apply, each under the name that the table of verdicts links to."""
+    items = "".join(
+        f'<div id="known-{escape(e.id)}"><dt>{escape(e.id)}</dt><dd>{escape(e.what)}</dd></div>' for e in report.entries
+    )
+    return f'<dl class="entries">{items}</dl>' if items else ""
+
+
+def _every_check(report: Report) -> str:
+    count = len(report.checks)
+    shown = f"{count} check{'s' if count != 1 else ''}, one a line, separated by tabs"
+    return f"<details><summary>{shown}</summary><pre class=all tabindex=0>{tables.as_lines(report.checks)}</pre></details>"

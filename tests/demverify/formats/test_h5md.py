@@ -1,0 +1,152 @@
+"""H5MD trajectories: exact, open to MDAnalysis, alive after a kill."""
+
+from __future__ import annotations
+
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from demverify.errors import InputError
+from demverify.formats.atomic import part_path
+from demverify.formats.h5md import TrajectoryWriter, read_h5md
+from demverify.frames import Frame
+from tests.demverify.formats.samples import assert_same, frame, frames
+
+ALL = tuple("id type x y z vx vy vz fx fy fz omegax omegay omegaz tqx tqy tqz radius mass".split())
+
+
+def write(path: Path, series: list[Frame]) -> None:
+    """Writes frames at times 0.0, 0.5, 1.0, ..."""
+    with TrajectoryWriter(path) as writer:
+        for i, one in enumerate(series):
+            writer.write(one, 0.5 * i)
+
+
+@given(series=st.lists(frames(), min_size=1, max_size=4))
+@settings(max_examples=25, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+def test_round_trip_keeps_every_bit(tmp_path: Path, series: list[Frame]) -> None:
+    """Law: write then read is the identity, with particles coming and going, NaN, infinities and large ids."""
+    write(tmp_path / "t.h5", series)
+    for got, expected in zip(read_h5md(tmp_path / "t.h5"), series, strict=True):
+        assert_same(got, expected)
+
+
+def test_layout_is_h5md(tmp_path: Path) -> None:
+    """Law: elements have value, step and time; vectors are (frame, row, 3) float64; no unit anywhere; periodicity is told."""
+    write(tmp_path / "t.h5", [frame(3, step, ALL) for step in (0, 10)])
+    with h5py.File(tmp_path / "t.h5") as file:
+        group = file["particles/all"]
+        assert file["h5md"].attrs["version"].tolist() == [1, 1]
+        assert {*group} == {"box", "position", "velocity", "force", "omega", "torque", "species", "id", "radius", "mass"}
+        assert group["box"].attrs["boundary"].tolist() == ["periodic", "none", "none"]
+        assert (group["position/value"].shape, group["position/value"].dtype) == ((2, 3, 3), np.float64)
+        assert group["torque/step"][:].tolist() == [0, 10]
+        assert group["omega/time"][:].tolist() == [0.0, 0.5]
+        np.testing.assert_allclose(group["box/edges/value"][0], [0.223456789012, 0.1, 1 / 3], rtol=1e-15)
+        found: list[str] = []
+        file.visititems(lambda name, item: found.append(name) if "unit" in item.attrs else None)
+        assert not found
+
+
+def test_absent_rows_are_marked(tmp_path: Path) -> None:
+    """Law: arrays are as wide as the largest frame; rows past the count have id 0 and NaN."""
+    write(tmp_path / "t.h5", [frame(2), frame(4, 10), frame(1, 20)])
+    with h5py.File(tmp_path / "t.h5") as file:
+        assert file["observables/all/count/value"][:].tolist() == [2, 4, 1]
+        assert file["particles/all/id/value"][:].tolist() == [[1, 2, 0, 0], [1, 2, 3, 4], [1, 0, 0, 0]]
+        position = file["particles/all/position/value"][:]
+        assert np.isnan(position).all(axis=2).tolist() == [[False, False, True, True], [False] * 4, [False, True, True, True]]
+
+
+def test_mdanalysis_opens_it(tmp_path: Path) -> None:
+    """Law: MDAnalysis reads positions, velocities, forces (to its float32), box, step and time."""
+    mda = pytest.importorskip("MDAnalysis")
+    series = [frame(5, step, ALL) for step in (0, 10, 20)]
+    write(tmp_path / "t.h5md", series)
+    universe = mda.Universe.empty(5, trajectory=True, velocities=True, forces=True)
+    universe.load_new(str(tmp_path / "t.h5md"), convert_units=False)
+    assert len(universe.trajectory) == 3
+    for ts, expected in zip(universe.trajectory, series, strict=True):
+        np.testing.assert_allclose(ts.positions, expected.vectors("x", "y", "z"), rtol=1e-6)
+        np.testing.assert_allclose(ts.velocities, expected.vectors("vx", "vy", "vz"), rtol=1e-6)
+        np.testing.assert_allclose(ts.forces, expected.vectors("fx", "fy", "fz"), rtol=1e-6)
+        np.testing.assert_allclose(ts.dimensions, [0.223456789012, 0.1, 1 / 3, 90, 90, 90], rtol=1e-6)
+        assert (ts.data["step"], ts.time) == (expected.step, 0.05 * expected.step)
+
+
+def test_arrays_may_be_reused_after_writing(tmp_path: Path) -> None:
+    """Law: the writer copies: a solver that goes on in the same arrays does not change what was written."""
+    with TrajectoryWriter(tmp_path / "t.h5") as writer:
+        one = frame()
+        for step in range(3):
+            one.columns["x"][:] = step
+            writer.write(Frame(step, one.box, one.boundary, one.columns), 0.0)
+    assert [f.columns["x"][0] for f in read_h5md(tmp_path / "t.h5")] == [0, 1, 2]
+
+
+def test_interrupted_run_keeps_its_frames(tmp_path: Path) -> None:
+    """Law: Ctrl-C or an error in the run leaves a whole file with all frames written so far."""
+    with pytest.raises(KeyboardInterrupt), TrajectoryWriter(tmp_path / "t.h5") as writer:
+        for step in range(3):
+            writer.write(frame(step=step), 0.0)
+        raise KeyboardInterrupt
+    assert [f.step for f in read_h5md(tmp_path / "t.h5")] == [0, 1, 2]
+    assert [p.name for p in tmp_path.iterdir()] == ["t.h5"]
+
+
+KILLED = """
+import os, signal, sys, time
+from pathlib import Path
+from demverify.formats.h5md import TrajectoryWriter
+from tests.demverify.formats.samples import frame
+with TrajectoryWriter(Path(sys.argv[1])) as writer:
+    for step in range(40):
+        writer.write(frame(3 + step, step), 0.0)
+    time.sleep(1.1)
+    writer.write(frame(43, 40), 0.0)
+    os.kill(os.getpid(), signal.SIGKILL)
+"""
+
+
+def test_killed_writer_leaves_a_readable_part(tmp_path: Path) -> None:
+    """Law: after SIGKILL the .part holds every frame older than a second, whole, and the final name does not exist."""
+    path = tmp_path / "t.h5"
+    done = subprocess.run([sys.executable, "-c", KILLED, str(path)], cwd=Path(__file__).parents[3], check=False)
+    assert done.returncode == -signal.SIGKILL
+    assert not path.exists()
+    got = list(read_h5md(part_path(path)))
+    assert [f.step for f in got] == list(range(41))
+    assert_same(got[40], frame(43, 40))
+
+
+def test_no_frame_no_file(tmp_path: Path) -> None:
+    """Law: a run that fails before its first frame leaves nothing."""
+    with pytest.raises(ZeroDivisionError), TrajectoryWriter(tmp_path / "t.h5"):
+        raise ZeroDivisionError
+    assert not list(tmp_path.iterdir())
+
+
+def test_changed_columns_are_refused(tmp_path: Path) -> None:
+    """Law: a frame with other columns than the first is refused."""
+    with pytest.raises(InputError, match="step 1 has columns id type x, not fx id type x y z as before"):
+        write(tmp_path / "t.h5", [frame(), frame(3, 1, ("id", "type", "x"))])
+
+
+def test_other_files_are_refused(tmp_path: Path) -> None:
+    """Law: text, a cut-off file, another HDF5 file and a missing one are one-line errors."""
+    write(tmp_path / "t.h5", [frame(2000)])
+    (tmp_path / "text.h5").write_text("hello\n")
+    (tmp_path / "cut.h5").write_bytes((tmp_path / "t.h5").read_bytes()[:3000])
+    with h5py.File(tmp_path / "other.h5", "w") as other:
+        other["x"] = 1
+    for name, message in {"text.h5": "not an HDF5", "cut.h5": "not", "other.h5": "not a trajectory", "none.h5": "not an HDF5"}.items():
+        with pytest.raises(InputError, match=message) as caught:
+            list(read_h5md(tmp_path / name))
+        assert "\n" not in str(caught.value)
