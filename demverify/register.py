@@ -9,6 +9,7 @@ from __future__ import annotations
 import tomllib
 from collections.abc import Callable, Collection, Iterable
 from dataclasses import dataclass, field, fields
+from itertools import pairwise
 from pathlib import Path
 from typing import Any, Literal, get_args
 
@@ -26,10 +27,11 @@ ENGINES = ("native", "lammps", "liggghts", "law")
 class Features:
     """What a deck uses, as words of its dialect, and what follows from them.
 
-    pair_styles, wall_styles: "granular", "gran/hooke/history", "hooke/history" ...; "gran" and "model" in LIGGGHTS; "region" walls.
-    normal: hooke, hertz, hertz/material, hooke/stiffness, hertz/stiffness. damping: LAMMPS' words; "restitution" for LIGGGHTS hooke
-    and hertz, "gamma" for its stiffness models; "none" when the coefficient is zero. tangential: off, no_history, history.
-    switches: limit_damping (LIGGGHTS limitForce), viscous, ktToKnUser. cylinders: axes x y z. computes, fixes: styles. thermo: columns.
+    pair_styles, wall_styles: "granular", "gran/hooke/history", "hooke/history" ...; LIGGGHTS "gran" and "model"; "region" walls.
+    normal: hooke, hertz, hertz/material, hooke/stiffness, hertz/stiffness. damping: LAMMPS' words; "restitution" for LIGGGHTS
+    hooke and hertz, "gamma" for its stiffness models; "none" when the coefficient is zero. tangential: off, no_history, history.
+    switches: limit_damping (LIGGGHTS limitForce), viscous, ktToKnUser. cylinders: axes x y z. computes, fixes: styles.
+    thermo: columns.
     friction: some coefficient is not zero. undamped_wall: a wall without normal damping. discs: spheres integrated as discs.
     short_dumps: a dump without a format of its own. runs: number of `run` commands. particles: their number.
     """
@@ -106,8 +108,8 @@ class Conditions:
 
 @dataclass(frozen=True)
 class Entry:
-    """One deviation. engine, version: who has it. what: for a DEM user. size: as measured. how: the test that shows it. link: where it
-    is discussed or written. kind: "defect", "convention" (engines follow different rules) or "trap" (a user will misread it).
+    """One deviation. engine, version: who has it. what: for a DEM user. size: as measured. how: the test that shows it. link:
+    where it is discussed or written. kind: "defect", "convention" (engines follow different rules) or "trap" (easy to misread).
     applies: None when it changes no number, e.g. a lost error message."""
 
     id: str
@@ -288,7 +290,7 @@ def _granular(words: tuple[str, ...]) -> _Law:
 def _liggghts(words: tuple[str, ...]) -> _Law:
     """`model NORMAL [tangential KIND] ... [SWITCH on|off]`; friction stands in a fix property/global."""
     normal = _after(words, "model", "hooke")
-    on = {name for name, state in zip(words, words[1:], strict=False) if state == "on"}
+    on = {name for name, state in pairwise(words) if state == "on"}
     switches = {"limit_damping" if name == "limitForce" else name for name in on}
     damping = "gamma" if normal.endswith("/stiffness") else "restitution"
     return _Law(normal, damping, _after(words, "tangential", "off"), 0.0, frozenset(switches))

@@ -23,6 +23,7 @@ class Command(Words):
     place: Place
 
     def __init__(self, name: str, args: Sequence[str], text: str, place: Place) -> None:
+        """`args`: the words after the name."""
         super().__init__(args, name, place)
         self.name = name
         self.args = tuple(args)

@@ -66,7 +66,8 @@ def _lines(path: Path) -> list[str]:
 def _header(data: DataFile, line: str, place: Place) -> None:
     if found := _BOUNDS.fullmatch(line):
         axis = "xyz".index(found[3])
-        data.lo[axis], data.hi[axis] = (_number(word, f"{found[3]}{side}", place) for word, side in ((found[1], "lo"), (found[2], "hi")))
+        data.lo[axis] = _number(found[1], f"{found[3]}lo", place)
+        data.hi[axis] = _number(found[2], f"{found[3]}hi", place)
     elif found := _COUNT.fullmatch(line):
         count = _whole(found[1], f"the number of {found[2]}", place)
         if found[2] == "atoms":
@@ -92,7 +93,7 @@ def _section(data: DataFile, line: str, place: Place) -> str:
 
 
 def particles_of(data: DataFile, setup: Setup) -> Atoms:
-    """The particles, wrapped into the periodic box, in the order of the file. Raises InputError with the line of the first that is wrong."""
+    """The particles, wrapped into the periodic box, in the order of the file. Raises InputError with the line that is wrong."""
     rows = data.rows.get("Atoms", [])
     if len(rows) != data.atoms:
         raise InputError(f"the header says {data.atoms} atoms, the section Atoms holds {len(rows)}", Place(data.path))
@@ -106,7 +107,8 @@ def particles_of(data: DataFile, setup: Setup) -> Atoms:
     _complain(data, rows, table[:, 3] <= 0.0, "the density must be above zero")
     radius = 0.5 * table[:, 2]
     mass = np.where(radius > 0.0, density_mass(setup, radius, table[:, 3]), table[:, 3])  # a point's density column is its mass
-    atoms = new_atoms(table[:, 0], table[:, 1], table[:, 4:7].copy(), radius, mass)
+    ids, types = (table[:, column].astype(np.int64) for column in (0, 1))
+    atoms = new_atoms(ids, types, table[:, 4:7].copy(), radius, mass)
     atoms.image = images.astype(np.int64)
     _check_inside(data, rows, atoms, setup)
     _velocities(data, atoms)
@@ -136,7 +138,7 @@ def _check_widths(data: DataFile, rows: list[tuple[int, list[str]]], widths: tup
 def _table(data: DataFile, rows: list[tuple[int, list[str]]], columns: str) -> Floats:
     """(n, columns) numbers, all finite."""
     try:
-        table = np.array([words for _, words in rows], dtype=str).astype(np.float64).reshape(len(rows), -1)
+        table = np.array([float(word) for _, words in rows for word in words]).reshape(len(rows), len(rows[0][1]) if rows else 10)
         if np.isfinite(table).all():
             return table
     except ValueError:
@@ -147,7 +149,9 @@ def _table(data: DataFile, rows: list[tuple[int, list[str]]], columns: str) -> F
     raise AssertionError("numpy and float() read numbers differently")
 
 
-def _check_whole(data: DataFile, rows: list[tuple[int, list[str]]], column: Floats, name: str, low: int, high: int | None = None) -> None:
+def _check_whole(
+    data: DataFile, rows: list[tuple[int, list[str]]], column: Floats, name: str, low: int, high: int | None = None
+) -> None:
     bad = (column != np.floor(column)) | (column < low) | (column > (high or np.inf))
     _complain(data, rows, bad, f"the {name} must be a whole number from {low}" + (f" to {high}" if high else ""))
 
@@ -167,7 +171,9 @@ def _check_inside(data: DataFile, rows: list[tuple[int, list[str]]], atoms: Atom
     _complain(data, rows, outside.any(axis=1), "the particle is outside the box, whose faces here are not periodic")
 
 
-def _complain(data: DataFile, rows: list[tuple[int, list[str]]], bad: np.ndarray[tuple[int], np.dtype[np.bool_]], message: str) -> None:
+def _complain(
+    data: DataFile, rows: list[tuple[int, list[str]]], bad: np.ndarray[tuple[int], np.dtype[np.bool_]], message: str
+) -> None:
     """Raises InputError at the first row that is bad."""
     if bad.any():
         number, words = rows[int(np.argmax(bad))]

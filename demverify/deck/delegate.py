@@ -1,7 +1,8 @@
-"""Set-up commands that draw random numbers run in the LAMMPS library, in a process of its own: every engine then starts from the same state.
+"""Set-up commands that draw random numbers run in the LAMMPS library, in a process of its own: every engine then starts from the
+same state.
 
-The particles so far are handed over, not the deck, so this works after a `run` and for LIGGGHTS decks too. Random streams of LAMMPS
-depend on seed, ids and positions only (and on the order of particles for `velocity loop local`, which is kept)."""
+The particles so far are handed over, not the deck, so this works after a `run` and for LIGGGHTS decks too. Random streams of
+LAMMPS depend on seed, ids and positions only (and on the order of particles for `velocity loop local`, which is kept)."""
 
 from __future__ import annotations
 
@@ -10,7 +11,7 @@ import subprocess
 import sys
 import tempfile
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -40,20 +41,19 @@ def delegated(deck: Interpreter, cmd: Command) -> Atoms:
 def draw(setup: Setup, commands: list[str]) -> Atoms:
     """Runs LAMMPS commands on the particles of a setup. Raises RuntimeError with the engine's message."""
     with tempfile.TemporaryDirectory() as folder:
-        before, after = Path(folder, "before.npz"), Path(folder, "after.npz")
-        _save(setup, before)
-        task = {"head": _head(setup), "groups": _ordered_groups(setup), "commands": commands, "before": str(before), "after": str(after)}
-        _work(task)
-        with np.load(after) as arrays:
+        task: dict[str, object] = {"head": _head(setup), "groups": _ordered_groups(setup), "commands": commands}
+        files = {name: str(Path(folder, f"{name}.npz")) for name in ("before", "after")}
+        _save(setup, files["before"])
+        _work(task | files)
+        with np.load(files["after"]) as arrays:
             return _atoms(setup, {name: arrays[name] for name in arrays.files})
 
 
 def _work(task: dict[str, object]) -> None:
     worker = Path(__file__).with_name("delegate_worker.py")
     try:
-        done = subprocess.run(
-            [sys.executable, str(worker)], input=json.dumps(task), capture_output=True, text=True, timeout=_TIME_LIMIT, check=False
-        )
+        arguments = [sys.executable, str(worker)]
+        done = subprocess.run(arguments, input=json.dumps(task), capture_output=True, text=True, timeout=_TIME_LIMIT, check=False)
     except subprocess.TimeoutExpired:
         raise RuntimeError(f"no answer within {_TIME_LIMIT:g} s") from None
     if done.returncode:
@@ -103,7 +103,7 @@ def _bits(setup: Setup) -> list[tuple[int, int]]:
     return [(0, 0), *((setup.groups[name], k) for k, name in enumerate(_ordered_groups(setup), start=1))]
 
 
-def _save(setup: Setup, path: Path) -> None:
+def _save(setup: Setup, path: str) -> None:
     atoms = setup.atoms or no_atoms()
     np.savez(
         path, id=atoms.id, type=atoms.type, x=atoms.x, v=atoms.v, omega=atoms.omega, radius=atoms.radius, mass=atoms.mass,
@@ -111,7 +111,7 @@ def _save(setup: Setup, path: Path) -> None:
     )  # fmt: skip
 
 
-def _atoms(setup: Setup, arrays: dict[str, np.ndarray]) -> Atoms:  # type: ignore[type-arg]
+def _atoms(setup: Setup, arrays: dict[str, Any]) -> Atoms:
     old = setup.atoms or no_atoms()
     molecule_of = dict(zip(old.id.tolist(), old.molecule.tolist(), strict=True))
     arrays["mask"] = _translated(arrays["mask"], [(new, bit) for bit, new in _bits(setup)])

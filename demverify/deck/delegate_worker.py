@@ -1,4 +1,4 @@
-"""Runs alone, as a script: puts particles into the LAMMPS library, executes a few commands, writes the particles back. See delegate.py."""
+"""Runs alone, as a script: puts particles into the LAMMPS library, executes commands, writes the particles back (delegate.py)."""
 
 from __future__ import annotations
 

@@ -16,7 +16,9 @@ _LIGGGHTS = re.compile(
 
 
 def detect_dialect(path: Path) -> Dialect:
-    """liggghts when the file is called so (in.liggghts, x.liggghts) or speaks its words, else lammps. Raises InputError if unreadable."""
+    """liggghts when the file is called so (in.liggghts, x.liggghts) or speaks its words, else lammps.
+
+    Raises InputError for a file that cannot be read."""
     name = path.name.lower()
     if "liggghts" in name:
         return "liggghts"

@@ -29,10 +29,15 @@ class DryRun:
         return scene_of(self.setup)
 
 
+class NeedsRun(InputError):
+    """A deck goes on with a value that only a run gives."""
+
+
 class DryBackend:
     """Records runs; answers only what follows from the set-up."""
 
     def __init__(self) -> None:
+        """`runs` fills as the deck goes on."""
         self.runs: list[DryRun] = []
 
     def run(self, setup: Setup, steps: int) -> None:
@@ -49,5 +54,5 @@ class DryBackend:
         """A value known without running. Raises InputError for one that only a run gives."""
         found = None if self.runs and moves(keyword) else state_value(setup, keyword)
         if found is None:
-            raise InputError(f"the formula needs {keyword}, which only a run gives")
+            raise NeedsRun(f"the formula needs {keyword}, which only a run gives")
         return found

@@ -6,8 +6,8 @@ from collections.abc import Callable
 from math import cos, pi, sin, sqrt
 
 import numpy as np
-from demsolver.scene import Enforce2D, Force, Freeze, Gravity, NveSphere, SetForce, Viscous
 
+from demsolver.scene import Enforce2D, Force, Freeze, Gravity, NveSphere, SetForce, Viscous
 from demverify.deck.materials_common import Words, group_bit
 from demverify.deck.setup import Setup, Spec
 
@@ -32,7 +32,8 @@ def gravity(setup: Setup, spec: Spec) -> Gravity:
     if style == "vector":
         direction = _vector(setup, words)
     else:
-        phi, theta = (0.0, 180.0 - _number(words, "angle")) if style == "chute" else (_number(words, "phi"), _number(words, "theta"))
+        phi = 0.0 if style == "chute" else _number(words, "phi")
+        theta = 180.0 - _number(words, "angle") if style == "chute" else _number(words, "theta")
         direction = _spherical(setup, phi * (pi / 180.0), theta * (pi / 180.0))
     words.end()
     x, y, z = (magnitude * component for component in direction)
@@ -91,7 +92,7 @@ def viscous(setup: Setup, spec: Spec) -> Viscous:
 
 
 def nve_sphere(setup: Setup, spec: Spec) -> NveSphere:
-    """fix nve/sphere [disc]: LIGGGHTS takes discs, I = m R^2/2, for anything in two dimensions (measured), LAMMPS only when asked."""
+    """fix nve/sphere [disc]: discs, I = m R^2/2, are what LIGGGHTS takes in two dimensions (measured) and LAMMPS when asked."""
     words = _words(spec)
     disc = setup.dialect == "liggghts" and setup.dimension == 2
     while words:

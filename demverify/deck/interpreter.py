@@ -49,7 +49,10 @@ class Interpreter:
     substituted, loops unrolled. ignored: the commands that cannot change the physics. printed: what print commands said.
     """
 
-    def __init__(self, dialect: Dialect, variables: Mapping[str, Sequence[str]] | None = None, backend: Backend | None = None) -> None:
+    def __init__(
+        self, dialect: Dialect, variables: Mapping[str, Sequence[str]] | None = None, backend: Backend | None = None
+    ) -> None:
+        """A deck starts from an empty setup; without a backend runs are only noted (DryBackend)."""
         from demverify.deck.dry import DryBackend
 
         self.backend: Backend = backend or DryBackend()
@@ -141,7 +144,7 @@ class Interpreter:
         try:
             return self.backend.value(self.setup, keyword)
         except InputError as error:
-            raise InputError(error.message, self._place) from None
+            raise type(error)(error.message, self._place) from None
 
 
 def _label_index(lines: list[Line], label: str, path: Path, place: Place) -> int:

@@ -37,16 +37,16 @@ class Lattice:
 
     def to_box(self, x: Floats) -> Floats:
         """(n, 3) lattice coordinates as box coordinates."""
-        return _rotate(self.rows, self.cell * x * self.scale) + self.spacing * self.origin
+        return np.asarray(_rotate(self.rows, self.cell * x * self.scale) + self.spacing * self.origin)
 
     def from_box(self, x: Floats) -> Floats:
         """(n, 3) box coordinates as lattice coordinates."""
-        return _rotate(self.rows.T, x - self.spacing * self.origin) / self.scale / self.cell
+        return np.asarray(_rotate(self.rows.T, x - self.spacing * self.origin) / self.scale / self.cell)
 
     @property
     def rows(self) -> Floats:
         """(3, 3) rotation: the orientation vectors at unit length."""
-        return self.orient / np.sqrt((self.orient * self.orient).sum(axis=1, keepdims=True).astype(float))
+        return np.asarray(self.orient / np.sqrt((self.orient * self.orient).sum(axis=1, keepdims=True).astype(float)))
 
 
 def _rotate(rows: Floats, x: Floats) -> Floats:
@@ -102,7 +102,7 @@ def lattice_points(setup: Setup) -> tuple[Floats, Ints]:
     lattice: Lattice = setup.lattice
     box = setup.box
     assert box is not None
-    corners = np.array([(x, y, z) for z in (box.lo[2], box.hi[2]) for y in (box.lo[1], box.hi[1]) for x in (box.lo[0], box.hi[0])])
+    corners = np.stack(np.meshgrid(*zip(box.lo, box.hi, strict=True)), axis=-1).reshape(-1, 3)
     reach = lattice.from_box(corners)
     lo, hi = np.floor(reach.min(axis=0)).astype(int) - 1, np.ceil(reach.max(axis=0)).astype(int) + 1
     if setup.dimension == 2:

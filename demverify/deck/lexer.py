@@ -1,7 +1,8 @@
 """From the text of a deck to logical lines and words.
 
 Rules of LAMMPS and LIGGGHTS, measured: a line whose last visible character is `&` goes on in the next one (inside a comment too);
-`#` outside quotes starts a comment; quotes are '...', "..." and triple double quotes, the last over several lines; a closing quote must be followed by a blank.
+`#` outside quotes starts a comment; quotes are '...', "..." and triple double quotes, the last over several lines; a blank must
+follow a closing quote.
 """
 
 from __future__ import annotations

@@ -176,7 +176,7 @@ def effective_shear(young_i: float, nu_i: float, young_j: float, nu_j: float) ->
 
 def tsuji_fraction(restitution: float) -> float:
     """Damping fraction of `damping tsuji`: the polynomial of J. S. Marshall, J. Comput. Phys. 228 (2009) 1541, eq. 53, as
-    the wheel codes it. A factor sqrt(2) is missing against the definition of the effective mass, so a nominal 0.5 acts as 0.616."""
+    the wheel codes it. A factor sqrt(2) is missing, by its definition of the effective mass: a nominal 0.5 acts as 0.616."""
     powers = (1.2728, -4.2783, 11.087, -22.348, 27.467, -18.022, 4.8218)
     return sum(c * restitution**k for k, c in enumerate(powers))
 

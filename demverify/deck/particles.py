@@ -6,27 +6,32 @@ from dataclasses import fields, replace
 from math import pi
 
 import numpy as np
-from demsolver.scene import Box
 
+from demsolver.scene import Box
 from demverify.deck.setup import Atoms, Floats, Ints, Setup
 
 
 def no_atoms() -> Atoms:
     """Atoms with no rows."""
     whole = np.zeros(0, dtype=np.int64)
-    return Atoms(
-        id=whole, type=whole, x=np.zeros((0, 3)), v=np.zeros((0, 3)), omega=np.zeros((0, 3)), radius=np.zeros(0), mass=np.zeros(0),
-        mask=whole, image=np.zeros((0, 3), dtype=np.int64), molecule=whole,
-    )  # fmt: skip
+    return new_atoms(whole, whole, np.zeros((0, 3)), np.zeros(0), np.zeros(0))
 
 
 def new_atoms(ids: Ints, types: Ints, x: Floats, radius: Floats, mass: Floats) -> Atoms:
     """Particles at rest at the (n, 3) positions, members of group all alone."""
     n = len(ids)
     return Atoms(
-        id=ids.astype(np.int64), type=types.astype(np.int64), x=x, v=np.zeros((n, 3)), omega=np.zeros((n, 3)), radius=radius, mass=mass,
-        mask=np.ones(n, dtype=np.int64), image=np.zeros((n, 3), dtype=np.int64), molecule=np.zeros(n, dtype=np.int64),
-    )  # fmt: skip
+        id=ids.astype(np.int64),
+        type=types.astype(np.int64),
+        x=x,
+        v=np.zeros((n, 3)),
+        omega=np.zeros((n, 3)),
+        radius=radius,
+        mass=mass,
+        mask=np.ones(n, dtype=np.int64),
+        image=np.zeros((n, 3), dtype=np.int64),
+        molecule=np.zeros(n, dtype=np.int64),
+    )
 
 
 def joined(first: Atoms, second: Atoms) -> Atoms:
@@ -49,7 +54,7 @@ def add_particles(setup: Setup, types: Ints, x: Floats) -> None:
 
 
 def density_mass(setup: Setup, radius: Floats, density: Floats | float) -> Floats:
-    """Mass of spheres; in two dimensions LIGGGHTS means discs of thickness 1 while LAMMPS still means spheres (measured on both)."""
+    """Mass of spheres; in two dimensions LIGGGHTS means discs of thickness 1, LAMMPS still spheres (measured on both)."""
     if setup.dialect == "liggghts" and setup.dimension == 2:
         return np.asarray(pi * radius * radius * density)
     return np.asarray(4.0 * pi / 3.0 * radius * radius * radius * density)

@@ -1,4 +1,4 @@
-"""Regions of space: block, cylinder, sphere, and unions and intersections of them. Surfaces belong to the inside, as in LAMMPS."""
+"""Regions of space: block, cylinder, sphere, unions and intersections. Surfaces belong to the inside, as in LAMMPS."""
 
 from __future__ import annotations
 
@@ -43,7 +43,9 @@ def read_region(setup: Setup, cmd: Command) -> Region:
 
 
 def region_scale(setup: Setup, cmd: Command) -> Floats:
-    """(3,) lengths of one unit of the command's numbers: the lattice's spacings or 1. LAMMPS takes lattice units by default, LIGGGHTS box units."""
+    """(3,) lengths of one unit of the command's numbers: the lattice's spacings or 1.
+
+    Without the keyword `units` LAMMPS means lattice units, LIGGGHTS box units (measured on both)."""
     units = "lattice" if setup.dialect == "lammps" else "box"
     if "units" in cmd.args[:-1]:
         units = cmd.args[cmd.args.index("units") + 1]
@@ -89,7 +91,7 @@ def _cylinder(setup: Setup, cmd: Command, scale: Floats) -> Region:
 
     def inside(x: Floats) -> Bools:
         distance = np.sqrt((x[:, a] - c1) * (x[:, a] - c1) + (x[:, b] - c2) * (x[:, b] - c2))
-        return (distance <= radius) & (x[:, axis] >= low) & (x[:, axis] <= high)
+        return np.asarray((distance <= radius) & (x[:, axis] >= low) & (x[:, axis] <= high))
 
     return Region("cylinder", inside, lo, hi)
 
@@ -109,7 +111,7 @@ def _combined(setup: Setup, cmd: Command, style: str) -> Region:
     count = cmd.integer("number of regions", low=2)
     parts = [find_region(setup, cmd, cmd.take("region ID")) for _ in range(count)]
     together = np.logical_or if style == "union" else np.logical_and
-    return _options(cmd, Region(style, lambda x: together.reduce([part.contains(x) for part in parts])))
+    return _options(cmd, Region(style, lambda x: np.asarray(together.reduce([part.contains(x) for part in parts]))))
 
 
 def _options(cmd: Command, region: Region) -> Region:

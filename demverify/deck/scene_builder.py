@@ -6,8 +6,8 @@ from importlib import import_module
 from typing import Any
 
 import numpy as np
-from demsolver.scene import Neighbor, Particles, Scene
 
+from demsolver.scene import Neighbor, Particles, Scene
 from demverify.deck.forces import FORCES, nve_sphere
 from demverify.deck.setup import Atoms, NeighborSpec, Setup
 from demverify.errors import InputError
@@ -17,7 +17,9 @@ _DELAY = {"lammps": 0, "liggghts": 10}
 
 
 def scene_of(setup: Setup) -> Scene:
-    """The scene that a run starts from. Raises InputError: no box, a particle without mass, two at one place, a wrong contact law."""
+    """The scene that a run starts from.
+
+    Raises InputError when there is no box, a particle without mass or two at one place, and for a wrong contact law."""
     if setup.box is None or setup.atoms is None:
         raise InputError("the deck made no simulation box: create_box or read_data is missing", setup.pair_place)
     _check_particles(setup.atoms, setup)
@@ -59,9 +61,9 @@ def _neighbor(setup: Setup, spec: NeighborSpec) -> Neighbor:
 def _check_particles(atoms: Atoms, setup: Setup) -> None:
     place = setup.pair_place
     for name in ("x", "v", "omega", "radius"):
-        column = getattr(atoms, name).reshape(atoms.n, -1)
-        if not np.isfinite(column).all():
-            row = int(np.argmin(np.isfinite(column).all(axis=1)))
+        bad = ~np.isfinite(getattr(atoms, name))
+        if bad.any():
+            row = int(np.argwhere(bad)[0, 0])
             raise InputError(f"particle {atoms.id[row]}: {name} is not a finite number", place)
     massless = ~(np.isfinite(atoms.mass) & (atoms.mass > 0.0))
     if massless.any():

@@ -116,5 +116,5 @@ class Setup:
 
     @property
     def dt(self) -> float:
-        """The time step: the deck's own, or the default of its units (LAMMPS and LIGGGHTS: lj 0.005, si and cgs 1e-8, micro 2)."""
+        """The time step: the deck's own, or the default of its units, in both engines lj 0.005, si and cgs 1e-8, micro 2."""
         return self.timestep if self.timestep is not None else {"lj": 0.005, "micro": 2.0}.get(self.units, 1e-8)

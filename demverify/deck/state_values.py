@@ -40,7 +40,7 @@ def _length(axis: int) -> Callable[[Setup], float]:
 
 
 def _face(axis: int, side: str) -> Callable[[Setup], float]:
-    return lambda setup: getattr(setup.box, side)[axis]  # type: ignore[no-any-return]
+    return lambda setup: float(getattr(setup.box, side)[axis])
 
 
 def _volume(setup: Setup) -> float:

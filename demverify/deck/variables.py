@@ -49,6 +49,7 @@ class Variables:
     initial: name -> values from the command line; such a variable wins over `variable NAME index` in the deck, as -var does."""
 
     def __init__(self, live: Callable[[str], float], initial: Mapping[str, Sequence[str]] | None = None) -> None:
+        """A table that holds the variables of the command line."""
         self._live = live
         self._table: dict[str, _Values | _Loop | _Formula] = {}
         self._open: list[str] = []  # equal-style variables being evaluated, to see a circle
@@ -195,7 +196,7 @@ def _new(name: str, style: str, args: Sequence[str], place: Place) -> _Values | 
         return _Values(style, (args[0],))
     if style == "format" and len(args) == 2 and _PRINTF.fullmatch(args[1]):
         return _Formula(style, args[0], args[1])
-    expected = {"string": "one value; put quotes around blanks", "format": "the name of a variable and a format such as %.3f"}[style]
+    expected = "one value; put quotes around blanks" if style == "string" else "the name of a variable and a format such as %.3f"
     raise InputError(f"variable {name} {style} expects {expected}, got {' '.join(args)!r}", place)
 
 

@@ -9,7 +9,7 @@ from pathlib import Path
 from time import perf_counter
 
 import numpy as np
-from demsolver import Simulation
+from demsolver.simulate import Simulation
 from demsolver.computes import erotate, erotate_sphere, ke
 from demsolver.scene import Particles
 from demsolver.state import Floats, selected

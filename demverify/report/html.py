@@ -8,11 +8,10 @@ from importlib.resources import files
 from pathlib import Path
 from string import Template
 
-
-from demverify.compare import Tolerances, summary
+from demverify.compare import Check, Tolerances, summary
 from demverify.differences import QUANTITIES
 from demverify.report import pictures, tables
-from demverify.report.content import DifferenceCurve, EngineInfo, EnergySeries, Report, difference_curves
+from demverify.report.content import DifferenceCurve, EnergySeries, EngineInfo, Report, difference_curves
 from demverify.report.json import write_whole
 
 __all__ = ["DifferenceCurve", "EnergySeries", "EngineInfo", "Report", "difference_curves", "render", "write_report"]
@@ -26,15 +25,25 @@ def write_report(path: Path, report: Report, tolerances: Tolerances | None = Non
 def render(report: Report, tolerances: Tolerances | None = None) -> str:
     """The page as text. tolerances: the limits drawn into the pictures of differences."""
     template = Template(files("demverify.report").joinpath("template.html").read_text(encoding="utf-8"))
-    agrees = report.verdict == "pass"
     return template.substitute(
         title=escape(report.title),
         verdict=report.verdict,
-        word="The engines agree" if agrees else "No agreement",
+        word=_headline(report),
         sign=tables.SIGNS[report.verdict],
         summary=escape(summary(report.checks)),
         body="\n".join(filter(None, _sections(report, tolerances or Tolerances()))),
     )
+
+
+def _headline(report: Report) -> str:
+    """The verdict in three words."""
+    words = {
+        "pass": "The engines agree",
+        "fail": "The engines differ",
+        "crashed": "An engine crashed",
+        "skipped": "Nothing was judged",
+    }
+    return words[tables.overall(report.checks)]
 
 
 def _sections(report: Report, tolerances: Tolerances) -> list[str]:
@@ -55,9 +64,9 @@ def _sections(report: Report, tolerances: Tolerances) -> list[str]:
     ]
 
 
-_DIFFERENCES = """Relative to the largest value so far. Grey: how far the native run parts from itself when it starts one unit in the last
-place away. A difference inside ten times the grey is chaos and says nothing; above the limit and far above the grey, the engines
-compute something else."""
+_DIFFERENCES = """Relative to the largest value so far; the foot of each picture is 0. Grey: how far the native run parts from
+itself when it starts one unit in the last place away. The limit, a thin line, rises to ten times that: a difference below
+it is chaos and says nothing."""
 
 _VERDICTS = """Each row gathers the steps of one quantity and shows the one nearest to, or farthest beyond, its limit."""
 
@@ -74,16 +83,25 @@ def _differences(report: Report, tolerances: Tolerances) -> str:
     plots = []
     for quantity in QUANTITIES:
         curves = {pairs.index(c.engines): c for c in report.differences if c.quantity == quantity and len(c.step)}
-        if curves:
+        if any(len(curve.step) > 1 for curve in curves.values()):
             envelope = next((c for c in report.envelope if c.quantity == quantity and len(c.step)), None)
-            failed = [c for c in report.checks if c.quantity == quantity and c.outcome == "fail" and c.kind == "engine"]
+            failed = _first_failures(report, quantity)
             plots.append(pictures.difference_picture(quantity, curves, envelope, failed, tolerances))
     legend = [(pictures.swatch(pictures.pair_stroke(k)), " ↔ ".join(pair)) for k, pair in enumerate(pairs)]
     envelope_key = [('<span class="swatch grey"></span>', "one unit in the last place away")] if report.envelope else []
     cross_key = (
-        [('<span class="swatch failed">✕</span>', "beyond its limit")] if any(c.outcome == "fail" for c in report.checks) else []
+        [('<span class="swatch failed">✕</span>', "first beyond the limit")]
+        if any(c.outcome == "fail" for c in report.checks)
+        else []
     )
     return _plots(plots, [*legend, *envelope_key, *cross_key])
+
+
+def _first_failures(report: Report, quantity: str) -> list[Check]:
+    """Of each pair the first step at which the engines differ in this quantity."""
+    failed = [c for c in report.checks if (c.quantity, c.outcome, c.kind) == (quantity, "fail", "engine")]
+    first = {c.engines: c for c in sorted(failed, key=lambda c: -c.step)}
+    return list(first.values())
 
 
 def _energies(report: Report) -> str:

@@ -11,16 +11,16 @@ from html import escape
 
 import numpy as np
 
+from demverify.chaos import Envelope
 from demverify.compare import Check, Tolerances
 from demverify.frames import Floats
-from demverify.report.axes import Axis, decades, linear, power, scientific, steps
+from demverify.report.axes import Axis, decades, linear, scientific, steps
 from demverify.report.content import DifferenceCurve, EnergySeries
 
 WIDTH, HEIGHT = 420, 250
-LEFT, RIGHT, TOP, BOTTOM = 50, 410, 26, 212
+LEFT, RIGHT, TOP, BOTTOM = 50, 400, 26, 212
 LOWEST = -17  # below 10^-17 of its scale a difference is drawn as zero
 _POINTS = 300  # points a line is thinned to
-_MARKERS = 40  # up to this many points are marked one by one
 _STROKES = (("7", "", ".38"), ("3", "", ".95"), ("1.5", "5 3", "1"), ("1.5", "1.5 2.5", "1"))
 
 
@@ -68,19 +68,20 @@ def difference_picture(
     tolerances: Tolerances,
 ) -> str:
     """Relative difference over time on a logarithmic axis: pairs of engines (by their index), the chaos envelope as a grey
-    area, the limits of the tiers as a line, and a cross where a check failed."""
+    area, the limit as a line, and a cross at each of `failed`."""
     everything = [*curves.values(), *([envelope] if envelope else [])]
     first = min(float(c.step[0]) for c in everything)
-    x_axis = steps(max(float(c.step[-1]) for c in everything) - first)
+    last = max(float(c.step[-1]) for c in everything) - first
+    x_axis = steps(last)
     peak = max((float(np.max(v)) for c in everything if len(v := c.value[np.isfinite(c.value) & (c.value > 0)])), default=1e-9)
     y_axis = decades(LOWEST, max(-6, int(np.ceil(np.log10(peak))), 0 if peak > 1e-3 else -6))
-    parts = [_tiers(x_axis, y_axis, tolerances)]
-    if envelope:
-        parts.append(_area(*_places(envelope.step - first, envelope.value, x_axis, y_axis)))
+    parts = [_area(*_places(envelope.step - first, envelope.value, x_axis, y_axis))] if envelope else []
+    parts.append(_limits(last, x_axis, y_axis, envelope, first, tolerances))
     for index, curve in curves.items():
         parts.append(_line(*_places(curve.step - first, curve.value, x_axis, y_axis), pair_stroke(index)))
-    for check in [check for check in failed if np.isfinite(check.max_rel)][:: max(1, len(failed) // _MARKERS)]:
-        parts.append(_cross(*_places(np.array([check.step - first]), np.array([check.max_rel]), x_axis, y_axis)))
+    for check in failed:
+        if np.isfinite(check.max_rel):
+            parts.append(_cross(*_places(np.array([check.step - first]), np.array([check.max_rel]), x_axis, y_axis)))
     worst = "; ".join(f"{' and '.join(c.engines)} at most {scientific(float(np.max(c.value)))}" for c in curves.values())
     label = f"relative difference of {quantity} over the steps: {worst}"
     return _frame(f"{quantity}", label, x_axis, y_axis, "".join(parts), "steps since the set-up", "relative difference")
@@ -95,7 +96,8 @@ def gauge(max_rel: float, tolerance: float, outcome: str) -> str:
     return (
         '<svg class="gauge" viewBox="0 0 120 14" aria-hidden="true">'
         f'<line class="track" x1="4" x2="116" y1="7" y2="7"/><line class="reach {outcome}" x1="4" x2="{at:.1f}" y1="7" y2="7"/>'
-        f'<line class="limit" x1="{limit:.1f}" x2="{limit:.1f}" y1="1" y2="13"/><circle class="{outcome}" cx="{at:.1f}" cy="7" r="3.6"/></svg>'
+        f'<line class="limit" x1="{limit:.1f}" x2="{limit:.1f}" y1="1" y2="13"/>'
+        f'<circle class="{outcome}" cx="{at:.1f}" cy="7" r="3.6"/></svg>'
     )
 
 
@@ -137,19 +139,32 @@ def _frame(title: str, label: str, x_axis: Axis, y_axis: Axis, drawn: str, x_nam
     return f'<svg class="plot" role="img" aria-label="{escape(label)}" viewBox="0 0 {WIDTH} {HEIGHT}">{body}</svg>'
 
 
-def _tiers(x_axis: Axis, y_axis: Axis, tolerances: Tolerances) -> str:
-    """The limits of tiers 1 and 2 as a stair, and thin lines where a tier ends."""
-    places = x_axis.place(np.array([0.0, tolerances.tier2_steps]))
-    end = float(min(places[1], 1.0))
-    y1, y2 = (_y(float(p)) for p in y_axis.place(np.array([tolerances.tier1, tolerances.tier2])))
-    notch = 5
-    stair = f'<path class="stair" d="M{LEFT - notch} {y1:.1f}H{LEFT + notch}V{y2:.1f}H{_x(end):.1f}"/>'
-    named = f'<text class="tier" x="{LEFT + notch + 4}" y="{y2 - 4:.1f}">limit {power(round(np.log10(tolerances.tier2)))}</text>'
-    if end >= 1.0:
+def _limits(
+    last: float, x_axis: Axis, y_axis: Axis, envelope: DifferenceCurve | None, first: float, tolerances: Tolerances
+) -> str:
+    """The limit over the run as a stair: tier 1 at the set-up, tier 2 after it, and from where chaos lifts it, that."""
+    notch, end = 5.0, _x(float(x_axis.place(np.array([min(last, tolerances.tier2_steps)]))[0]))
+    low, high = (_y(float(p)) for p in y_axis.place(np.array([tolerances.tier1, tolerances.tier2])))
+    stair = f'<path class="limit" d="M{LEFT - notch} {low:.1f}H{LEFT + notch}V{high:.1f}H{end:.1f}"/>'
+    named = f'<text class="tier" x="{LEFT + notch + 4}" y="{high - 4:.1f}">limit {scientific(tolerances.tier2)}</text>'
+    if last <= tolerances.tier2_steps:
         return stair + named
-    later = f'<path class="stair late" d="M{_x(end):.1f} {y2:.1f}H{RIGHT}"/>'
-    wall = f'<path class="wall" d="M{_x(end):.1f} {TOP}V{BOTTOM}"/><text class="tier" x="{_x(end) + 4:.1f}" y="{TOP + 8}">tier 3</text>'
-    return stair + named + later + wall
+    wall = f'<path class="wall" d="M{end:.1f} {TOP}V{BOTTOM}"/><text class="tier" x="{end + 4:.1f}" y="{TOP + 8}">tier 3</text>'
+    return wall + stair + named + _line(*_lifted(last, x_axis, y_axis, envelope, first, tolerances), 'class="limit late"')
+
+
+def _lifted(
+    last: float, x_axis: Axis, y_axis: Axis, envelope: DifferenceCurve | None, first: float, tolerances: Tolerances
+) -> tuple[Floats, Floats]:
+    """The limit of tier 3: that of tier 2, or the chaos factor times the envelope where that is larger."""
+    if not envelope:
+        since = np.array([tolerances.tier2_steps, last])
+        return _places(since, np.full(2, tolerances.tier2), x_axis, y_axis)
+    steps_of = envelope.step - first
+    since = np.unique([tolerances.tier2_steps, *steps_of[steps_of > tolerances.tier2_steps], last])
+    grown = Envelope(steps_of.astype(np.int64), {envelope.quantity: envelope.value})
+    chaos = [tolerances.chaos_factor * grown.at(envelope.quantity, int(step)) for step in since]
+    return _places(since, np.maximum(tolerances.tier2, chaos), x_axis, y_axis)
 
 
 def _places(x: Floats, y: Floats, x_axis: Axis, y_axis: Axis) -> tuple[Floats, Floats]:
@@ -171,7 +186,7 @@ def thinned(x: Floats, y: Floats) -> tuple[Floats, Floats]:
 
 
 def _line(x: Floats, y: Floats, stroke: str) -> str:
-    """A line, broken where it is not finite; its points marked if they are few, so that one point is seen too."""
+    """A line, broken where it is not finite; a single point is a dot."""
     known = np.isfinite(y)
     runs = [run for run in np.split(np.arange(len(x)), np.flatnonzero(np.diff(known)) + 1) if len(run) and known[run[0]]]
     path = "".join("M" + "L".join(f"{x[k]:.1f} {y[k]:.1f}" for k in run) for run in runs)

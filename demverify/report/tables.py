@@ -61,12 +61,13 @@ def rows(checks: Iterable[Check]) -> list[Row]:
 def verdict_table(checks: Sequence[Check], entries: Sequence[Entry]) -> str:
     """The table of verdicts: one body for each pair and tier."""
     bodies = groupby(rows(checks), key=lambda row: (row.head.kind, row.head.engines, row.head.tier))
-    head = _head("Verdict", "Quantity", "Steps", "Largest difference", "Relative", "Limit", "0 … limit … 1", "Why")
+    head = _head("Verdict", "Quantity", "Steps", "Largest difference", "Relative", "Limit", "Against the limit", "Why")
     return _wrapped("Verdicts", head + "".join(_body(*key, list(group), entries) for key, group in bodies), "verdicts")
 
 
 def engine_table(engines: Mapping[str, EngineInfo]) -> str:
     """Version, time and speed of every engine; why one did not run."""
+    noted = any(info.reason for info in engines.values())
     body = "".join(
         _row(
             f'<th scope="row"><span class="name">{escape(name)}</span></th>',
@@ -74,13 +75,12 @@ def engine_table(engines: Mapping[str, EngineInfo]) -> str:
             _cell("Status", badge_of_engine(info)),
             _cell("Wall time", f"{info.wall_s:.2f} s" if info.wall_s is not None else DASH, "number"),
             _cell("Particle-steps/s", _rate(info.particle_steps_per_s), "number"),
-            _cell("Note", f'<span class="log">{escape(info.reason)}</span>' if info.reason else "", "why"),
+            _cell("Note", f'<span class="log">{escape(info.reason)}</span>' if info.reason else "", "why") if noted else "",
         )
         for name, info in engines.items()
     )
-    return _wrapped(
-        "Engines", _head("Engine", "Version", "Status", "Wall time", "Particle-steps/s", "Note") + f"<tbody>{body}</tbody>"
-    )
+    head = _head("Engine", "Version", "Status", "Wall time", "Particle-steps/s", *(["Note"] if noted else []))
+    return _wrapped("Engines", f"{head}<tbody>{body}</tbody>")
 
 
 def badge_of_engine(info: EngineInfo) -> str:
@@ -127,21 +127,27 @@ def as_lines(checks: Iterable[Check]) -> str:
 def _card(kind: str, engines: tuple[str, str], checks: Sequence[Check]) -> str:
     tiers = {1: "One state", 2: "Short run", 3: "Long run"} if kind == "engine" else {t: "Closed forms" for t in (1, 2, 3)}
     lines = "".join(_card_line(tier, tiers[tier], own) for tier in (1, 2, 3) if (own := [c for c in checks if c.tier == tier]))
+    if not any(np.isfinite(c.max_rel) or c.outcome == "fail" for c in checks):  # an engine that is missing, or died
+        told = escape(_first_line(checks[0].reason))
+        lines = f'<div><dd>{badge(overall(checks))}<span class="soft">{told}</span></dd></div>'
     joint = '<span class="versus" aria-label="against">↔</span>'
-    return f'<article class="card {overall(checks)}"><h3>{escape(engines[0])} {joint} {escape(engines[1])}</h3><dl>{lines}</dl></article>'
+    title = f"<h3>{escape(engines[0])} {joint} {escape(engines[1])}</h3>"
+    return f'<article class="card {overall(checks)}">{title}<dl>{lines}</dl></article>'
 
 
 def _card_line(tier: int, name: str, checks: Sequence[Check]) -> str:
     outcome = overall(checks)
     shown = Row(tuple(c for c in checks if c.outcome == outcome)).worst
-    detail = (
-        f"{escape(shown.quantity)} {scientific(shown.max_rel)}"
-        if np.isfinite(shown.max_rel)
-        else escape(shown.reason.partition("\n")[0])
-    )
+    measured = f"{shown.quantity} {scientific(shown.max_rel)}"
+    detail = escape(measured if np.isfinite(shown.max_rel) else _first_line(shown.reason))
     skipped = sum(c.outcome == "skipped" for c in checks)
     also = f", {skipped} of {len(checks)} skipped" if skipped and outcome != "skipped" else ""
-    return f'<div><dt>{name} <span class="soft">tier {tier}</span></dt><dd>{badge(outcome)}<span class="soft">{detail}{also}</span></dd></div>'
+    told = f'{badge(outcome)}<span class="soft">{detail}{also}</span>'
+    return f'<div><dt>{name} <span class="soft">tier {tier}</span></dt><dd>{told}</dd></div>'
+
+
+def _first_line(text: str) -> str:
+    return text.partition("\n")[0]
 
 
 def _body(kind: str, engines: tuple[str, str], tier: int, group: Sequence[Row], entries: Sequence[Entry]) -> str:
@@ -166,11 +172,11 @@ def _verdict_row(row: Row, entries: Sequence[Entry]) -> str:
 
 
 def linked(reason: str, entries: Sequence[Entry]) -> str:
-    """A reason as html; a known deviation that it names becomes a link to its entry further down."""
+    """A reason as html; a known deviation that it names becomes a link to its entry, which says what it is."""
     text = escape(reason)
     for entry in entries:
-        name = f"explained by {escape(entry.id)}:"
-        text = text.replace(name, f'<a href="#known-{escape(entry.id)}">{name[:-1]}</a>:')
+        name = f"explained by {escape(entry.id)}"
+        text = text.replace(f"{name}: {escape(entry.what)}", f'<a href="#known-{escape(entry.id)}">{name}</a>')
     return text
 
 

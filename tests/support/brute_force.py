@@ -13,22 +13,23 @@ from math import inf, sqrt
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
+
 from demsolver import contact
 from demsolver.scene import Box, ContactLaw, Cylinder, Freeze, Scene, Slab, Wall
-from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
 Key = tuple[str, int, int]
 History = Mapping[Key, Floats]
-"""Tangential memory (3,) of each contact: ("pair", i, j) with i < j, as felt by i; (wall name, wall number, i). Rows count from 0."""
+"""Tangential memory (3,) of each contact: ("pair", i, j), i < j, as felt by i; (wall name, its number, i). Rows from 0."""
 
 TOUCHING = 1e-200  # overlap offered to the laws at exactly zero gap, so that secant stiffnesses have their limit
 
 
 @dataclass(frozen=True)
 class Touch:
-    """One contact as particle i feels it. n: (3,) unit normal towards i. v: (3,) velocity against the partner's centre or the wall.
-    spin: (3,) sum of arm times omega. partner: row of the other particle, or None."""
+    """One contact as particle i feels it. n: (3,) unit normal towards i. v: (3,) velocity against the partner's centre or the
+    wall. spin: (3,) sum of arm times omega. partner: row of the other particle, or None."""
 
     key: Key
     law: ContactLaw
@@ -43,11 +44,13 @@ class Touch:
     spin: Floats
 
 
-def forces(scene: Scene, x: Floats, v: Floats, omega: Floats, history: History, advance: bool) -> tuple[Floats, Floats, dict[Key, Floats]]:
+def forces(
+    scene: Scene, x: Floats, v: Floats, omega: Floats, history: History, advance: bool
+) -> tuple[Floats, Floats, dict[Key, Floats]]:
     """Force (n, 3), torque (n, 3) and the new history of all contacts at x, v, omega, each (n, 3).
 
-    advance False is the set-up of a run: histories are read but do not grow. The history of a parted wall contact ends; that of a parted
-    pair too, unless the scene says that history outlives the contact.
+    advance False is the set-up of a run: histories are read but do not grow. The history of a parted wall contact ends; that
+    of a parted pair too, unless the scene says that history outlives the contact.
     """
     force, torque = np.zeros_like(x), np.zeros_like(x)
     kept = dict(history) if scene.history_outlives_contact else {}
@@ -117,7 +120,9 @@ def _wall_touch(scene: Scene, wall: Wall, number: int, i: int, x: Floats, v: Flo
     spin = _arm(wall.law.surface_arm, radius, overlap) * omega[i]
     reff, mass = _wall_radius(wall.shape, x[i], radius), float(scene.particles.mass[i])
     row = int(scene.particles.type[i]) - 1
-    yield Touch((wall.name, number, i), wall.law, row, i, None, away / distance, overlap, reff, mass, v[i] - np.array(wall.velocity), spin)
+    yield Touch(
+        (wall.name, number, i), wall.law, row, i, None, away / distance, overlap, reff, mass, v[i] - np.array(wall.velocity), spin
+    )
 
 
 def _slab(slab: Slab, x: Floats) -> Floats:

@@ -1,15 +1,16 @@
-"""One state of 16 spheres, two types, with a plane and a cylinder, written as a deck for either engine, many contact laws in one process."""
+"""One state of 16 spheres of two types, plane and cylinder, as a deck for either engine: many contact laws in one process."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
-from demsolver.scene import Box, NveSphere, Particles, Scene
 from numpy.typing import NDArray
 
+from demsolver.scene import Box, NveSphere, Particles, Scene
 from demverify.deck import materials_lammps, materials_liggghts
 from demverify.deck.setup import Dialect, Setup, Spec
 from demverify.errors import Place
@@ -34,8 +35,8 @@ class Case:
 
 
 def spheres() -> tuple[Floats, Floats, Floats, Floats, NDArray[np.int64]]:
-    """x, v, omega (n, 3), radius (n,), type (n,): a cluster, two pairs, spheres on the plane, at the cylinder, at both; one pair about
-    to touch and one about to part."""
+    """x, v, omega (n, 3), radius (n,), type (n,): a cluster, a pair, spheres on the plane, at the cylinder, at both; one pair
+    about to touch and one about to part."""
     rng = np.random.default_rng(7)
     radius = np.round(rng.uniform(0.004, 0.007, 16), 5)
     kind = np.array([1, 2, 1, 2, 1, 2, 1, 1, 2, 2, 1, 1, 2, 1, 2, 2])
@@ -138,9 +139,29 @@ def scene_of(case: Case, dialect: Dialect) -> Scene:
     )
 
 
+def change_pair(**changes: Any) -> Callable[[Scene], Scene]:
+    """Exchanges fields of a scene's pair law."""
+
+    def change(scene: Scene) -> Scene:
+        assert scene.pair
+        return replace(scene, pair=replace(scene.pair, **changes))
+
+    return change
+
+
+def change_cylinder(**changes: Any) -> Callable[[Scene], Scene]:
+    """Exchanges fields of the shape of a scene's last wall."""
+
+    def change(scene: Scene) -> Scene:
+        *others, last = scene.walls
+        return replace(scene, walls=(*others, replace(last, shape=replace(last.shape, **changes))))
+
+    return change
+
+
 @dataclass(frozen=True)
 class Difference:
-    """Largest |difference| of forces and of torques against an engine, over the largest force and the largest torque of the step."""
+    """Largest |difference| of forces and of torques against an engine, over the largest force and torque of the step."""
 
     force_0: float
     torque_0: float
@@ -171,10 +192,11 @@ def _relative(frame: Frame, columns: str, ours: Floats) -> float:
 
 
 def _trajectory(scene: Scene, steps: int) -> list[tuple[Floats, Floats]]:
-    """Force and torque at steps 0 to `steps`; contacts of step n see velocities of step n - 1/2, those of step 0 the full ones."""
+    """Force and torque at steps 0 to `steps`; contacts of step n see velocities of step n - 1/2, of step 0 the full ones."""
     p = scene.particles
     x, v, omega = p.x.copy(), p.v.copy(), p.omega.copy()
-    kick, spin = 0.5 * scene.timestep / p.mass[:, None], 0.5 * scene.timestep / (0.4 * p.mass * p.radius**2)[:, None]
+    half = 0.5 * scene.timestep
+    kick, spin = half / p.mass[:, None], half / (0.4 * p.mass * p.radius**2)[:, None]
     history: dict[Key, Floats] = {}
     force, torque, history = forces(scene, x, v, omega, history, False)
     found = [(force, torque)]

@@ -1,4 +1,4 @@
-"""Tiny decks of a few spheres, written the same way for both engines: a data file, the engine's preamble, then the test's own lines."""
+"""Tiny decks of a few spheres, the same for both engines: a data file, the engine's preamble, then the test's own lines."""
 
 from __future__ import annotations
 

@@ -16,11 +16,11 @@ def assert_deviates(entry: str, measured: ArrayLike, *, engine_rule: ArrayLike, 
     assert apart > 10 * rtol, f"this test cannot tell {entry} from the law: the two are {apart:.2e} apart"
     off = np.max(np.abs(np.subtract(measured, engine_rule))) / scale
     assert off <= rtol, (
-        f"register entry {entry} is out of date: measured {measured}, the entry claims {engine_rule} (off by {off:.2e}),"
-        f" the law says {law}"
+        f"register entry {entry} is out of date: measured {measured!r}, the entry claims {engine_rule!r} (off by {off:.2e}),"
+        f" the law says {law!r}"
     )
 
 
 def assert_nan(entry: str, values: ArrayLike) -> None:
     """All values are NaN, as the entry says. Raises AssertionError when the engine was mended."""
-    assert np.all(np.isnan(values)), f"register entry {entry} is out of date: the engine now gives {values}, not NaN"
+    assert np.all(np.isnan(values)), f"register entry {entry} is out of date: the engine now gives {values!r}, not NaN"

@@ -9,9 +9,12 @@ from demverify.deck.lexer import Line
 
 @command("variable")
 def variable(deck: Interpreter, cmd: Command) -> None:
-    """variable NAME style args..."""
+    """variable NAME style args...: LAMMPS replaces variables in a quoted string too, LIGGGHTS does not (both measured)."""
     name, style = cmd.take("a name"), cmd.take("a style")
-    deck.variables.define(name, style, cmd.rest(), cmd.place)
+    args = cmd.rest()
+    if style == "string" and deck.setup.dialect == "lammps":
+        args = tuple(deck.variables.substitute(arg, cmd.place) for arg in args)
+    deck.variables.define(name, style, args, cmd.place)
 
 
 @command("next")
@@ -104,8 +107,8 @@ def refused(deck: Interpreter, cmd: Command) -> None:
 
 
 @command(
-    "echo", "log", "processors", "comm_modify", "comm_style", "communicate", "atom_modify", "timer", "timers", "modify_timing", "balance",
-    "restart", "write_restart", "write_data", "write_dump", "info", "suffix", "package", "thermo_log",
+    "echo", "log", "processors", "comm_modify", "comm_style", "communicate", "atom_modify", "timer", "timers", "modify_timing",
+    "balance", "restart", "write_restart", "write_data", "write_dump", "info", "suffix", "package", "thermo_log",
 )  # fmt: skip
 def ignored(deck: Interpreter, cmd: Command) -> None:
     """Commands that cannot change the physics: read, noted, without effect."""

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from demsolver.scene import Box
 
+from demsolver.scene import Box
 from demverify.deck.command import Command, command
 from demverify.deck.commands.space import before_box, make_box, need_box
 from demverify.deck.data_file import particles_of, read_data_file

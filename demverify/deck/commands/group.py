@@ -14,7 +14,7 @@ from demverify.deck.commands.space import need_box
 from demverify.deck.interpreter import Interpreter
 from demverify.deck.particles import no_atoms
 from demverify.deck.regions import find_region
-from demverify.deck.setup import Atoms, Ints, Setup
+from demverify.deck.setup import Atoms, DumpSpec, Ints, Setup, Spec
 
 _MOST_GROUPS = 32
 _STYLES = ("type", "id", "molecule", "region", "subtract", "union", "intersect", "empty", "clear", "delete")
@@ -80,7 +80,7 @@ def _by_value(cmd: Command, column: Ints) -> Bools:
     if cmd.peek() == "<>":
         cmd.take("<>")
         low, high = cmd.integer("lower bound"), cmd.integer("upper bound")
-        return (column >= low) & (column <= high)
+        return np.asarray((column >= low) & (column <= high))
     if cmd.peek() in _COMPARE:
         compare = _COMPARE[cmd.take("a comparison")]
         return np.asarray(compare(column, cmd.integer("bound")))
@@ -99,7 +99,7 @@ def _range(cmd: Command, column: Ints) -> Bools:
     first, last, step = int(parts[0]), int(parts[min(1, len(parts) - 1)]), int(parts[2]) if len(parts) == 3 else 1
     if first > last or step < 1:
         raise cmd.error(f"the range {word!r} is empty")
-    return (column >= first) & (column <= last) & ((column - first) % step == 0)
+    return np.asarray((column >= first) & (column <= last) & ((column - first) % step == 0))
 
 
 def _bit(setup: Setup, cmd: Command, name: str) -> int:
@@ -116,7 +116,8 @@ def _remove(setup: Setup, cmd: Command, name: str, style: str, atoms: Atoms) -> 
     if name not in setup.groups or name == "all":
         others = ", ".join(other for other in setup.groups if other != "all") or "none"
         raise cmd.error(f"cannot {style} {name!r}; groups of this deck: {others}")
-    users = [what.id for what in (*setup.fixes.values(), *setup.computes.values(), *setup.dumps.values()) if what.group == name]
+    specs: list[Spec | DumpSpec] = [*setup.fixes.values(), *setup.computes.values(), *setup.dumps.values()]
+    users = [spec.id for spec in specs if spec.group == name]
     if style == "delete" and users:
         raise cmd.error(f"group {name!r} is in use by {', '.join(users)}")
     atoms.mask &= ~(1 << setup.groups[name])

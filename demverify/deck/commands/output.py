@@ -8,7 +8,7 @@ from demverify.deck.commands.space import need_box
 from demverify.deck.interpreter import Interpreter
 from demverify.deck.setup import DumpSpec, ThermoSpec
 
-_THERMO = ("norm", "lost", "lost/bond", "flush", "format", "line", "warn", "colname", "temp", "press", "modify", "triclinic/general")
+_THERMO = ("norm", "lost", "flush", "format", "line", "warn", "colname", "temp", "press")
 _ATOM_COLUMNS = ("id", "type", "xs", "ys", "zs")
 
 

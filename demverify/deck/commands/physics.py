@@ -9,12 +9,8 @@ from demverify.deck.forces import CHECKS
 from demverify.deck.interpreter import Interpreter
 from demverify.deck.setup import Spec
 
-_FIXES = {
-    "lammps": ("gravity", "nve/sphere", "freeze", "wall/gran", "setforce", "enforce2d", "viscous", "print"),
-    "liggghts": (
-        "gravity", "nve/sphere", "freeze", "wall/gran", "setforce", "enforce2d", "viscous", "print", "property/global", "check/timestep/gran",
-    ),
-}  # fmt: skip
+_BOTH = ("gravity", "nve/sphere", "freeze", "wall/gran", "setforce", "enforce2d", "viscous", "print")
+_FIXES = {"lammps": _BOTH, "liggghts": (*_BOTH, "property/global", "check/timestep/gran")}
 _OUTPUT_FIXES = ("ave/time", "balance")  # noted and left out: they only watch
 _COMPUTES = {"lammps": ("erotate/sphere", "ke", "reduce"), "liggghts": ("erotate/sphere", "erotate", "ke", "reduce")}
 _BUILT_IN = ("thermo_temp", "thermo_press", "thermo_pe")

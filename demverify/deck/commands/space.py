@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from demsolver.scene import Box
 
+from demsolver.scene import Box
 from demverify.deck.command import Command, command
 from demverify.deck.interpreter import Interpreter
 from demverify.deck.lattice import read_lattice

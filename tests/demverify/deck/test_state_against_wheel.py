@@ -56,7 +56,8 @@ DECKS = {
     "region in lattice units": BOX
     + "lattice sc 0.1\ncreate_box 3 box\nregion ball sphere 20 10 25 5\ncreate_atoms 1 region ball\n"
     + "region tube cylinder z 10 10 5 INF INF side out\ngroup far region tube\n",
-    "cylinder on lattice points": BOX + "lattice sc 0.1\ncreate_box 3 box\nregion c cylinder x 10 20 5 INF EDGE\ncreate_atoms 2 region c\n",
+    "cylinder on lattice points": BOX
+    + "lattice sc 0.1\ncreate_box 3 box\nregion c cylinder x 10 20 5 INF EDGE\ncreate_atoms 2 region c\n",
     "regions": FILLED
     + """region a cylinder y 2 2 1 EDGE 1 units box
 region b sphere 2 1 2 1.2 side out units box
@@ -107,7 +108,9 @@ velocity g ramp vz -1 1 z 0 3 units box sum yes
 variable q equal 0.1+0.2
 velocity g set v_q NULL NULL
 """,
-    "displace": SOME + "lattice sc 0.25\ndisplace_atoms all move 0 8.5 0\ngroup g id 2\nvariable d equal 1/3\ndisplace_atoms g move 0.1 -20 v_d units box\n",
+    "displace": SOME
+    + "lattice sc 0.25\ndisplace_atoms all move 0 8.5 0\ngroup g id 2\nvariable d equal 1/3\n"
+    + "displace_atoms g move 0.1 -20 v_d units box\n",
     "remap": BOX + "create_box 1 box\ncreate_atoms 1 single 1 9.25 1 remap yes units box\n",
     "zero linear": SOME + "velocity all set 1 2 3\nset atom 1 vx 4\nset atom 2 density 5\nvelocity all zero linear\n",
     "zero angular": SOME + "set atom 1 vx 4 vy -1\nset atom 2 vz 3 density 5\nset atom 3 vy 2\nvelocity all zero angular\n",
@@ -134,7 +137,9 @@ COLUMNS = ("id", "type", "x", "v", "omega", "radius", "mass", "mask", "image")
 
 
 @pytest.fixture(scope="module")
-def answers(wheel: Callable[[list[dict[str, Any]]], list[dict[str, Any]]], tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
+def answers(
+    wheel: Callable[[list[dict[str, Any]]], list[dict[str, Any]]], tmp_path_factory: pytest.TempPathFactory
+) -> dict[str, Any]:
     """The wheel's state after each deck."""
     folder = tmp_path_factory.mktemp("decks")
     jobs = []

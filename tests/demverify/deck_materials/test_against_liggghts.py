@@ -7,10 +7,10 @@ from dataclasses import replace
 from itertools import product
 
 import pytest
-from demsolver.scene import Scene
 
+from demsolver.scene import Scene
 from demverify.frames import Frame
-from tests.support.contact_cases import Case, difference, run, scene_of
+from tests.support.contact_cases import Case, change_cylinder, change_pair, difference, run, scene_of
 
 pytestmark = pytest.mark.liggghts
 TOLERANCE = 1e-12
@@ -96,11 +96,11 @@ def test_forces_equal_liggghts(name: str, frames: dict[str, list[Frame]]) -> Non
 
 
 WRONG: dict[str, Callable[[Scene], Scene]] = {
-    "friction of LAMMPS": lambda s: replace(s, pair=replace(s.pair, friction="classic_history")),
-    "torque arm": lambda s: replace(s, pair=replace(s.pair, torque_arm="radius")),
-    "surface arm": lambda s: replace(s, pair=replace(s.pair, surface_arm="radius")),
-    "limitForce": lambda s: replace(s, pair=replace(s.pair, limit_damping=True)),
-    "curved cylinder": lambda s: replace(s, walls=(s.walls[0], replace(s.walls[1], shape=replace(s.walls[1].shape, effective_radius="curved")))),
+    "friction of LAMMPS": change_pair(friction="classic_history"),
+    "torque arm": change_pair(torque_arm="radius"),
+    "surface arm": change_pair(surface_arm="radius"),
+    "limitForce": change_pair(limit_damping=True),
+    "curved cylinder": change_cylinder(effective_radius="curved"),
     "type of the wall": lambda s: replace(s, walls=(replace(s.walls[0], law=s.walls[1].law), s.walls[1])),
 }
 

@@ -23,6 +23,7 @@ Runner = Callable[..., EngineRun]
 def lammps_pair(
     body: str, balls: Sequence[Ball], folder: Path, *, gamma: float = GAMMA, switch: str = "", dt: float = DT
 ) -> EngineRun:
+    """`pair granular` hooke, damped by gamma m* vn, run with LAMMPS."""
     law = f"hooke {KN} {gamma!r} tangential linear_nohistory 0 0 damping mass_velocity {switch and 'limit_damping'}"
     return simulate_lammps(balls, f"pair_style granular\npair_coeff * * {law}\nfix n all nve/sphere\n{body}", folder, dt=dt)
 
@@ -30,6 +31,7 @@ def lammps_pair(
 def liggghts_pair(
     body: str, balls: Sequence[Ball], folder: Path, *, gamma: float = GAMMA, switch: str = "", dt: float = DT
 ) -> EngineRun:
+    """The same contact in LIGGGHTS: hooke/stiffness."""
     material = Material(1, {"kn": KN, "kt": KN, "gamman": gamma, "gammat": 0.0, "coefficientFriction": 0.0})
     law = f"hooke/stiffness {switch and 'limitForce on'}"
     return simulate_liggghts(
@@ -131,7 +133,8 @@ def test_limited_damping_raises_the_restitution(pair: Runner, tmp_path: Path) ->
 def test_erotate_sphere_takes_discs_for_spheres(simulate: Runner, tmp_path: Path) -> None:
     """Law: a disc, which the integrator turns with I = 1/2 m R^2, has the energy 1/4 m R^2 w^2; the compute has 1/5 m R^2 w^2."""
     spin = 3.0
-    body = "compute e all erotate/sphere\nthermo_style custom step c_e\nthermo_modify norm no format float %.16g\nfix n all nve/sphere"
+    output = "thermo_style custom step c_e\nthermo_modify norm no format float %.16g"
+    body = f"compute e all erotate/sphere\n{output}\nfix n all nve/sphere"
     run = simulate([Ball((0.0, 0.0, 0.0), omega=(0.0, 0.0, spin))], body, tmp_path)
     scale = run.frame(0).columns["mass"][0] * RADIUS**2 * spin**2
     assert_deviates("both-erotate-sphere-discs", run.thermo[0].values[0, 1] / scale, engine_rule=0.2, law=0.25, rtol=1e-10)

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from demverify.frames import Frame
+from demverify.frames import Floats, Frame
 from tests.support.decks import Ball, simulate_lammps
 from tests.support.deviations import assert_deviates
 
@@ -22,6 +22,7 @@ SHEARED = [Ball((0.0, 0.0, 0.0), v=(0.1, 0.3, 0.0), omega=(0.0, 0.0, 5.0)), Ball
 
 
 def granular(law: str) -> str:
+    """`pair_style granular` with one law for all."""
     return f"pair_style granular\npair_coeff * * {law}\n"
 
 
@@ -57,8 +58,8 @@ def oblique_impact(pair: str, steps: int, folder: Path) -> list[Frame]:
 
 
 def test_granular_pair_loses_energy_by_its_two_arms(tmp_path: Path) -> None:
-    """Law: an undamped sticking contact gives its energy back. `pair granular` loads the spring with the arm R and unloads it with
-    R - overlap/2: the loss is the work of the torque times (R / (R - overlap/2) - 1), whatever the step."""
+    """Law: an undamped sticking contact gives its energy back. `pair granular` loads the spring with the arm R and
+    unloads it with R - overlap/2: the loss is the work of the torque times (R / (R - overlap/2) - 1), whatever the step."""
     law = granular(f"hooke {NORMAL} 0 tangential linear_history {TANGENTIAL} 0 1e4 damping mass_velocity")
     legacy = f"pair_style gran/hooke/history {NORMAL} {TANGENTIAL} 0 0 1e4 0\npair_coeff * *\n"
     coarse, fine = (oblique_impact(law, steps, tmp_path / str(steps)) for steps in (150, 300))
@@ -71,6 +72,7 @@ def test_granular_pair_loses_energy_by_its_two_arms(tmp_path: Path) -> None:
 
 
 def gain(frames: list[Frame]) -> float:
+    """Energy gained over the run, as a share of the energy at its start."""
     return energy(frames[-1]) / energy(frames[0]) - 1
 
 
@@ -82,8 +84,8 @@ def lost_power(frame: Frame) -> float:
 
 
 def test_granular_turns_the_history_at_constant_length(tmp_path: Path) -> None:
-    """Law of the legacy styles (and LIGGGHTS): add the increment, then project on the tangent plane. `pair granular` turns the old
-    spring into the tangent plane at constant length, then adds."""
+    """Law of the legacy styles (and LIGGGHTS): add the increment, then project on the tangent plane. `pair granular` turns
+    the old spring into the tangent plane at constant length, then adds."""
     motion = "group a type 1\ngroup c type 2\nfix k a move linear 0 0 0\nfix l c move linear 0 50.0 20.0\nrun 20"
     balls = [Ball((0.0, 0.0, 0.0)), Ball((NEIGHBOUR_X, 0.0, 0.0), type=2)]
     run = simulate_lammps(
@@ -99,7 +101,7 @@ def test_granular_turns_the_history_at_constant_length(tmp_path: Path) -> None:
     assert_deviates("lammps-granular-history-turn", tangential[-1], engine_rule=-1e3 * turned, law=-1e3 * projected, rtol=1e-10)
 
 
-def normal_and_slip(frame: Frame) -> tuple[np.ndarray, np.ndarray]:
+def normal_and_slip(frame: Frame) -> tuple[Floats, Floats]:
     """Unit vector from ball 2 to ball 1, and the tangential displacement of 1 against 2 in one step of 1e-6 s; no spin."""
     x, v = frame.vectors("x", "y", "z"), frame.vectors("vx", "vy", "vz")
     normal = (x[0] - x[1]) / np.linalg.norm(x[0] - x[1])
@@ -107,10 +109,12 @@ def normal_and_slip(frame: Frame) -> tuple[np.ndarray, np.ndarray]:
     return normal, 1e-6 * (velocity - np.dot(velocity, normal) * normal)
 
 
-def turn(spring: np.ndarray, normal: np.ndarray) -> np.ndarray:
+def turn(spring: Floats, normal: Floats) -> Floats:
+    """The spring turned into the plane normal to `normal`, its length kept."""
     flat = spring - np.dot(spring, normal) * normal
-    length = np.linalg.norm(flat)
-    return flat * np.linalg.norm(spring) / length if length else flat
+    length = float(np.linalg.norm(flat))
+    turned: Floats = flat * float(np.linalg.norm(spring)) / (length or 1.0)
+    return turned
 
 
 @pytest.mark.parametrize(
@@ -142,8 +146,8 @@ def head_on(damping: str, restitution: float, folder: Path) -> float:
 
 @pytest.mark.parametrize("nominal", [0.9, 0.5])
 def test_tsuji_damping_misses_the_restitution(nominal: float, tmp_path: Path) -> None:
-    """Law: the balls part with e times their speed of approach. The coded prefactor lacks sqrt(2) against Tsuji's: the damping ratio
-    is alpha(e) / sqrt(5). `coeff_restitution` shows that the set-up itself is right."""
+    """Law: the balls part with e times their speed of approach. The coded prefactor lacks sqrt(2) against Tsuji's: the damping
+    ratio is alpha(e) / sqrt(5). `coeff_restitution` shows that the set-up itself is right."""
     polynomial = (1.2728, -4.2783, 11.087, -22.348, 27.467, -18.022, 4.8218)
     ratio = sum(factor * nominal**power for power, factor in enumerate(polynomial)) / sqrt(5)
     measured = head_on("tsuji", nominal, tmp_path / "tsuji")

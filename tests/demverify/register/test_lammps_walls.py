@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from demverify.frames import Floats
 from tests.support.decks import Ball, simulate_lammps
 from tests.support.deviations import assert_deviates, assert_nan
 from tests.support.engines import EngineRun
@@ -22,10 +23,12 @@ SLIDING = [Ball((0.0, 0.0, RADIUS - OVERLAP), v=(SPEED, 0.0, 0.0))]
 
 
 def slide(style: str, steps: int, folder: Path) -> EngineRun:
+    """A ball pressed on the plane z = 0 slides along x."""
     return simulate_lammps(SLIDING, f"pair_style none\nfix w all wall/gran {style} zplane 0 NULL\nrun {steps}", folder)
 
 
-def friction_force(run: EngineRun) -> np.ndarray:
+def friction_force(run: EngineRun) -> Floats:
+    """Force along x at each step."""
     return np.array([frame.columns["fx"][0] for frame in run.frames])
 
 

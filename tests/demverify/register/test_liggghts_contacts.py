@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from demverify.frames import Floats
 from tests.support.decks import Ball, Material, simulate_liggghts
 from tests.support.deviations import assert_deviates, assert_nan
 from tests.support.engines import EngineRun
@@ -23,24 +24,27 @@ HISTORY = "tangential history"
 
 
 def stiffness(
-    kn: float = 1e4, kt: float = 1e4, gamman: float = 10.0, gammat: float = 20.0, mu: float = 0.5, types: int = 1
+    kn: float = 1e4, kt: float = 1e4, gamman: float = 10.0, gammat: float = 20.0, mu: float = 0.5, *, types: int = 1
 ) -> Material:
+    """Constants of the stiffness models."""
     return Material(types, {"kn": kn, "kt": kt, "gamman": gamman, "gammat": gammat, "coefficientFriction": mu})
 
 
 def pair(balls: list[Ball], material: Material, model: str, steps: int, folder: Path) -> EngineRun:
+    """Balls at rest or in steady motion under one contact model."""
     return simulate_liggghts(balls, material, f"pair_style gran model {model}\npair_coeff * *\nrun {steps}", folder)
 
 
-def wall(ball: Ball, model: str, shape: str, folder: Path, **constants: float) -> np.ndarray:
+def wall(ball: Ball, model: str, shape: str, folder: Path, kn: float = 1e4) -> Floats:
     """Force on one ball at a primitive wall, at setup."""
     body = f"pair_style gran model {model}\npair_coeff * *\nfix w all wall/gran model {model} primitive type 1 {shape}\nrun 0"
-    run = simulate_liggghts([ball], stiffness(**constants), body, folder)
-    return run.frame(0).vectors("fx", "fy", "fz")[0]
+    run = simulate_liggghts([ball], stiffness(kn), body, folder)
+    return np.array([run.frame(0).columns[name][0] for name in ("fx", "fy", "fz")])
 
 
 def test_contact_arm_shortens_with_overlap(tmp_path: Path) -> None:
-    """Law of LAMMPS: the spin moves the contact point with the arm R. LIGGGHTS takes R - overlap/2, in the velocity and the torque."""
+    """Law of LAMMPS: the spin moves the contact point with the arm R. LIGGGHTS takes R - overlap/2 there
+    and in the torque."""
     spin, speed = 5.0, 0.3
     balls = [Ball((0.0, 0.0, 0.0), v=(0.0, speed, 0.0), omega=(0.0, 0.0, spin)), Ball((NEIGHBOUR_X, 0.0, 0.0))]
     columns = pair(balls, stiffness(mu=100.0), f"hooke/stiffness {HISTORY}", 0, tmp_path).frame(0).columns
@@ -57,8 +61,8 @@ def test_contact_arm_shortens_with_overlap(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("mu", [0.5, 0.0])
 def test_friction_limit_leaves_damping_out(mu: float, tmp_path: Path) -> None:
-    """Law (Coulomb): the whole tangential force is at most mu Fn. Here the spring alone is limited: a fresh contact carries its full
-    damping force, even with mu = 0, and drops to mu Fn once the spring slips."""
+    """Law (Coulomb): the whole tangential force is at most mu Fn. Here the spring alone is limited: a fresh contact carries its
+    full damping force, even with mu = 0, and drops to mu Fn once the spring slips."""
     speed, kt, gammat = 0.3, 1e7, 3000.0
     balls = [Ball((0.0, 0.0, 0.0), v=(0.0, speed, 0.0)), Ball((NEIGHBOUR_X, 0.0, 0.0))]
     run = pair(balls, stiffness(kt=kt, gammat=gammat, mu=mu), f"hooke/stiffness {HISTORY}", 1, tmp_path)
@@ -68,20 +72,21 @@ def test_friction_limit_leaves_damping_out(mu: float, tmp_path: Path) -> None:
 
 
 def bounce_twice(neighbours: str, folder: Path) -> float:
-    """A ball swings in and out of a second one that slides past at 0.01 m/s: two contacts of half a period each. Returns the largest
-    friction force of the second contact over that of the first."""
+    """A ball swings in and out of a second one that slides past at 0.01 m/s: two contacts of half a period each. Returns the
+    largest friction force of the second contact over that of the first."""
     period, swing = 100 * DT, 3e-5
     balls = [Ball((0.0, 0.0, 0.0)), Ball((2 * RADIUS + 1e-5, 0.0, 0.0), type=2)]
     motion = f"fix k a move wiggle {swing} 0 0 {period!r} units box\nfix l c move linear 0 0.01 0 units box"
-    body = f"pair_style gran model hooke/stiffness {HISTORY}\npair_coeff * *\n{neighbours}\ngroup a type 1\ngroup c type 2\n{motion}\nrun 200"
+    groups = "group a type 1\ngroup c type 2"
+    body = f"pair_style gran model hooke/stiffness {HISTORY}\npair_coeff * *\n{neighbours}\n{groups}\n{motion}\nrun 200"
     run = simulate_liggghts(balls, stiffness(kn=1e5, kt=1e5, gamman=0.0, gammat=0.0, mu=100.0, types=2), body, folder)
     friction = np.array([abs(frame.columns["fy"][0]) for frame in run.frames])
     return float(friction[100:].max() / friction[:100].max())
 
 
 def test_pair_history_survives_separation(tmp_path: Path) -> None:
-    """Law: a contact that ends forgets its spring, so a second, equal contact carries an equal friction force. Here the spring goes
-    on from where it stopped, twice the force, until the neighbour list is rebuilt; a contact_distance_factor above 1 restores the law."""
+    """Law: a contact that ends forgets its spring, so a second, equal contact carries an equal friction force. Here the spring
+    goes on from where it stopped, to twice the force, until the neighbour list is rebuilt; contact_distance_factor 1.1 obeys."""
     lawful = bounce_twice("neigh_modify contact_distance_factor 1.1", tmp_path / "lawful")
     assert lawful == pytest.approx(1.0, rel=0.01)
     measured = bounce_twice("", tmp_path / "default")
@@ -118,7 +123,7 @@ def test_cylinder_wall_is_flat(tmp_path: Path) -> None:
 
 
 def test_ball_on_the_axis_of_a_narrow_cylinder_is_dragged(tmp_path: Path) -> None:
-    """Law: a ball that does not touch the wall feels nothing. On the axis, with the wall within the skin, it feels -m gammat v."""
+    """Law: a ball that does not touch the wall feels nothing. On the axis, the wall within the skin, it feels -m gammat v."""
     velocity = (0.1, 0.2, 0.3)
     force = wall(Ball((0.0, 0.0, 0.0), v=velocity), f"hooke/stiffness {HISTORY}", "zcylinder 0.0105 0. 0.", tmp_path)
     assert_deviates(

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 import pytest
 
+from demverify.frames import Floats
 from tests.support.deviations import assert_deviates
 from tests.support.engines import EngineRun, run_liggghts
 
@@ -16,6 +16,8 @@ pytestmark = pytest.mark.liggghts
 
 DENSITY, TRIES = 2500.0, 5_000_000
 SPHERES = np.array([[0.010, 0.0, 0.0, 0.003], [0.0, 0.008, 0.002, 0.003], [-0.004, -0.003, 0.009, 0.002]])
+TEMPLATE = f"atom_type 1 density constant {DENSITY} nspheres 3 ntry {TRIES} spheres file clump scale 1.0 type 1"
+INSERTION = "vel constant 0. 0. -1. omega constant 5. -3. 8. insert_every once overlapcheck yes region in ntry_mc 10000"
 DECK = f"""atom_style granular
 atom_modify map array
 boundary f f f
@@ -33,10 +35,10 @@ fix m4 all property/global coefficientFriction peratomtypepair 1 0.5
 pair_style gran model hertz tangential history
 pair_coeff * *
 timestep 0.00001
-fix t all particletemplate/multisphere 15485863 atom_type 1 density constant {DENSITY} nspheres 3 ntry {TRIES} spheres file clump scale 1.0 type 1
+fix t all particletemplate/multisphere 15485863 {TEMPLATE}
 fix p all particledistribution/discrete 32452867 1 t 1.0
 region in block -0.1 0.1 -0.1 0.1 -0.1 0.1 units box
-fix i all insert/pack seed 32452843 distributiontemplate p vel constant 0. 0. -1. omega constant 5. -3. 8. insert_every once overlapcheck yes region in ntry_mc 10000 particles_in_region 1
+fix i all insert/pack seed 32452843 distributiontemplate p {INSERTION} particles_in_region 1
 fix n all multisphere
 compute em all erotate/multisphere
 compute es all erotate/sphere
@@ -58,11 +60,12 @@ class Clump:
 
     run: EngineRun
     mass: float
-    moments: np.ndarray
+    moments: Floats
 
 
 @pytest.fixture(scope="module")
 def clump(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Clump]:
+    """Runs the deck once for all tests."""
     folder = tmp_path_factory.mktemp("clump")
     np.savetxt(folder / "clump", SPHERES, fmt="%.17g")
     run = run_liggghts(DECK, folder)
@@ -70,16 +73,20 @@ def clump(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Clump]:
     yield Clump(run, values[0], np.sort(values[1:]))
 
 
-def sphere_masses() -> np.ndarray:
-    return 4 / 3 * np.pi * SPHERES[:, 3] ** 3 * DENSITY
+def sphere_masses() -> Floats:
+    """Mass of each sphere."""
+    masses: Floats = 4 / 3 * np.pi * SPHERES[:, 3] ** 3 * DENSITY
+    return masses
 
 
-def exact_tensor() -> np.ndarray:
+def exact_tensor() -> Floats:
     """Sum of 2/5 m R^2 and Steiner's terms about the centre of mass."""
     masses = sphere_masses()
     arms = SPHERES[:, :3] - masses @ SPHERES[:, :3] / masses.sum()
     own = 0.4 * masses @ SPHERES[:, 3] ** 2 * np.eye(3)
-    return own + sum(m * (a @ a * np.eye(3) - np.outer(a, a)) for m, a in zip(masses, arms, strict=True))
+    steiner = (m * (a @ a * np.eye(3) - np.outer(a, a)) for m, a in zip(masses, arms, strict=True))
+    tensor: Floats = np.sum([own, *steiner], axis=0)
+    return tensor
 
 
 def test_inertia_of_an_asymmetric_clump_is_wrong(clump: Clump) -> None:

@@ -33,7 +33,7 @@ def refusal(entry: str, material: Material, body: str, folder: Path) -> str:
     ],
 )
 def test_sane_limits_on_materials(name: str, value: float, said: str, tmp_path: Path) -> None:
-    """Law: any positive modulus and any restitution up to 1 is a material. LIGGGHTS draws lines of its own, just beyond 5e6 Pa and 0.05."""
+    """Law: any positive modulus and any restitution up to 1 is a material. LIGGGHTS draws its own lines, at 5e6 Pa and 0.05."""
     body = "pair_style gran model hertz\npair_coeff * *\nrun 0"
     simulate_liggghts([BALL], Material(1, ELASTIC | {"coefficientRestitution": 0.051}), body, tmp_path / "allowed")
     assert said in refusal("liggghts-material-limits", Material(1, ELASTIC | {name: value}), body, tmp_path / "refused")

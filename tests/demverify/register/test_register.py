@@ -1,4 +1,4 @@
-"""The register as data: every entry is shown by a test, malformed files are refused, and a deck gets the entries that touch it."""
+"""The register as data: each entry is shown by a test, malformed files are refused, a deck gets the entries that touch it."""
 
 from __future__ import annotations
 
@@ -12,6 +12,8 @@ import pytest
 from demverify.deck.setup import Atoms, DumpSpec, Setup, Spec
 from demverify.errors import InputError, Place
 from demverify.register import Features, applying, features_of, load
+from tests.support import engines
+from tests.support.deviations import assert_deviates, assert_nan
 
 ROOT = Path(__file__).parents[3]
 HERE = Place(Path("in.deck"), 7)
@@ -33,6 +35,7 @@ applies = { wall_styles = ["hooke"], needs = ["friction"] }
 
 
 def names(dialect: str, features: Features, *engines: str) -> set[str]:
+    """Ids of the entries that apply."""
     return {entry.id for entry in applying(dialect, features, engines)}  # type: ignore[arg-type]
 
 
@@ -160,6 +163,7 @@ def test_unknown_engines_are_refused() -> None:
 
 
 def lammps_setup(*fixes: Spec, pair: str = "granular", coeff: str = "") -> Setup:
+    """A LAMMPS deck with one pair_coeff line and these fixes."""
     setup = Setup("lammps", pair_style=tuple(pair.split()))
     if coeff:
         setup.pair_coeffs.append((tuple(coeff.split()), HERE))
@@ -168,6 +172,7 @@ def lammps_setup(*fixes: Spec, pair: str = "granular", coeff: str = "") -> Setup
 
 
 def fix(name: str, style: str, args: str = "") -> Spec:
+    """A fix of group all."""
     return Spec(name, "all", style, tuple(args.split()), HERE)
 
 
@@ -215,14 +220,15 @@ def test_features_of_granular_laws(law: str, damping: str, tangential: str, fric
         lammps_setup(fix("w", "wall/gran", f"granular {law} zplane 0 NULL"), pair="none"),
     ):
         found = features_of(setup, runs=1)
-        assert (found.damping, found.tangential, found.friction) == ({damping}, {tangential}, friction)
+        assert (found.damping, found.tangential, found.friction) == (frozenset({damping}), frozenset({tangential}), friction)
+
+
+STYLE = "gran model hooke tangential history limitForce on viscous off"
 
 
 def test_features_of_a_liggghts_deck() -> None:
     """Model, tangential and switches stand in the style; friction is a property."""
-    setup = Setup(
-        "liggghts", dimension=2, pair_style=tuple("gran model hooke tangential history limitForce on viscous off".split())
-    )
+    setup = Setup("liggghts", dimension=2, pair_style=tuple(STYLE.split()))
     wall = fix("w", "wall/gran", "model hertz/stiffness primitive type 1 ycylinder 0.1 0 0")
     integrator = fix("n", "nve/sphere")
     setup.fixes = {"w": wall, "n": integrator}
@@ -259,3 +265,29 @@ def test_one_particle_and_its_thermo_ke() -> None:
 def test_an_empty_deck_has_no_features() -> None:
     """A deck that built nothing uses nothing."""
     assert features_of(Setup("lammps"), runs=0) == Features(runs=0)
+
+
+def test_a_mended_engine_fails_its_test_by_name() -> None:
+    """The register goes stale loudly: an engine that follows the law fails, and so does a test that could not tell."""
+    assert_deviates("x-y", [2.0, 2.0], engine_rule=[2.0, 2.0], law=[1.0, 2.0], rtol=1e-3)
+    with pytest.raises(AssertionError, match="register entry x-y is out of date"):
+        assert_deviates("x-y", [1.0, 2.0], engine_rule=[2.0, 2.0], law=[1.0, 2.0], rtol=1e-3)
+    with pytest.raises(AssertionError, match="x-y is out of date"):
+        assert_deviates("x-y", np.nan, engine_rule=2.0, law=1.0, rtol=1e-3)
+    with pytest.raises(AssertionError, match="cannot tell"):
+        assert_deviates("x-y", 2.0, engine_rule=2.0, law=2.001, rtol=1e-3)
+    with pytest.raises(AssertionError, match="x-y is out of date"):
+        assert_nan("x-y", [np.nan, 1.0])
+
+
+@pytest.mark.parametrize(("ci", "outcome"), [("", pytest.skip.Exception), ("true", pytest.fail.Exception)])
+def test_a_missing_engine_skips_but_fails_in_ci(
+    ci: str, outcome: type[BaseException], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """A skipped engine is a convenience at a desk and a failure in CI."""
+    monkeypatch.setenv("CI", ci)
+    monkeypatch.setenv("PATH", str(tmp_path))
+    monkeypatch.setattr(engines, "LMP", tmp_path / "lmp")
+    for require in (engines.require_lammps, engines.require_liggghts):
+        with pytest.raises(outcome):
+            require()

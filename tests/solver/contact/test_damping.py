@@ -6,9 +6,10 @@ from collections.abc import Callable
 from math import exp, log, pi, sqrt
 
 import pytest
-from demsolver import contact
 from hypothesis import given
 from hypothesis import strategies as st
+
+from demsolver import contact
 
 MASS, REFF = 2e-3, 5e-3
 FRACTION = contact.law("damping", "fraction").coefficient
@@ -16,7 +17,7 @@ STOKES = contact.law("damping", "stokes").coefficient
 
 
 def rebound(speed: float, stiffness: Callable[[float], float], fraction: float) -> float:
-    """Ratio of speeds after and before a head-on impact m d'' = -k(d) d - gn d', by Runge-Kutta until the overlap is back at zero."""
+    """Ratio of speeds after and before a head-on impact m d'' = -k(d) d - gn d', by Runge-Kutta until the overlap is gone."""
     scale = speed * sqrt(MASS / stiffness(1e-4)) * 1e-3 / speed
 
     def slope(d: float, u: float) -> tuple[float, float]:
@@ -50,7 +51,7 @@ def hertz(d: float) -> float:
 @pytest.mark.parametrize("restitution", [0.3, 0.8])
 @pytest.mark.parametrize(("spring", "factor"), [(linear, 2.0), (hertz, sqrt(5.0))])
 def test_fraction_gives_the_restitution(spring: Callable[[float], float], factor: float, restitution: float) -> None:
-    """With damping_fraction -2 L/sqrt(pi^2 + L^2) (linear) or -sqrt(5) L/sqrt(pi^2 + L^2) (Hertz), speeds leave with e = exp(L)."""
+    """With damping_fraction -2 L/sqrt(pi^2 + L^2) (linear) or sqrt(5)/2 times that (Hertz), impacts rebound with e = exp(L)."""
     loss = -log(restitution) / sqrt(pi**2 + log(restitution) ** 2)
     assert rebound(0.3, spring, factor * loss) == pytest.approx(restitution, rel=2e-4)
 
@@ -82,9 +83,7 @@ def test_stokes_never_exceeds_critical_damping(vn: float, e_max: float, critical
 
 def test_stokes_limits() -> None:
     """At vn = 0 the damping is critical; a fast impact rebounds with e_max; approach is damped more than separation."""
-    at_rest, fast, approach, separation = (
-        STOKES(vn, REFF, MASS, 1e4, log(0.8), 10.0, 1e-3) for vn in (0.0, -1e12, -1e-3, 1e-3)
-    )
+    at_rest, fast, approach, separation = (STOKES(vn, REFF, MASS, 1e4, log(0.8), 10.0, 1e-3) for vn in (0.0, -1e12, -1e-3, 1e-3))
     dry = FRACTION(MASS, 1e4, -2.0 * log(0.8) / sqrt(pi**2 + log(0.8) ** 2))
     assert at_rest == pytest.approx(2.0 * sqrt(MASS * 1e4), rel=1e-15)
     assert fast == pytest.approx(dry, rel=1e-9)

@@ -7,6 +7,7 @@ import math
 from types import ModuleType
 
 import pytest
+
 from demsolver import contact
 
 LAWS = [(family, name) for family in contact.FAMILIES for name in contact.listing(family)]

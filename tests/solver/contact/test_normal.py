@@ -7,9 +7,10 @@ from collections.abc import Callable
 from math import pi, sqrt
 
 import pytest
-from demsolver import contact
 from hypothesis import given, settings
 from hypothesis import strategies as st
+
+from demsolver import contact
 
 NAMES = contact.listing("normal")
 SCALES = {"overlap": (1e-6, 1e-3), "reff": (1e-3, 1e-1), "meff": (1e-6, 1.0), "characteristic_velocity": (1e-2, 10.0)}
@@ -66,7 +67,7 @@ def test_hertz_force_of_steel_balls() -> None:
     speed=st.floats(1e-2, 10.0),
 )
 def test_impact_hooke_equals_a_hertz_impact(reff: float, meff: float, yeff: float, speed: float) -> None:
-    """At the overlap where a Hertz contact has taken the energy of an impact at V, m V^2/2, the linear spring has taken it too."""
+    """At the overlap where a Hertz contact has taken the energy m V^2/2 of an impact at V, the linear spring has too."""
     deepest = (15.0 * meff * speed**2 / (16.0 * sqrt(reff) * yeff)) ** 0.4  # from 8/15 sqrt(R*) E* d^(5/2) = m V^2/2
     energy = contact.law("normal", "impact_hooke").energy(deepest, reff, meff, yeff, speed)
     hertz = contact.law("normal", "hertz").energy(deepest, sqrt(reff * deepest), 4.0 / 3.0 * yeff)

@@ -5,9 +5,10 @@ from __future__ import annotations
 from math import log, pi, sqrt
 
 import pytest
-from demsolver import contact
 from hypothesis import given
 from hypothesis import strategies as st
+
+from demsolver import contact
 
 POSITIVE = st.floats(1e-6, 1e6)
 
@@ -37,13 +38,16 @@ def test_damping_factors(meff: float, gammat: float, radius: float, gn: float) -
     """gammat times 1, the mass, mass and contact radius; or a multiple of gn."""
     assert contact.law("tangential_damping", "absolute").coefficient(gammat) == gammat
     assert contact.law("tangential_damping", "mass").coefficient(meff, gammat) == gammat * meff
-    assert contact.law("tangential_damping", "mass_radius").coefficient(meff, radius, gammat) == pytest.approx(gammat * meff * radius)
+    assert contact.law("tangential_damping", "mass_radius").coefficient(meff, radius, gammat) == pytest.approx(
+        gammat * meff * radius
+    )
     assert contact.law("tangential_damping", "scaled").coefficient(gn, 0.5) == 0.5 * gn
 
 
 def test_fraction_against_measured_values() -> None:
-    """LIGGGHTS hertz, radii 5 and 7 mm, densities 2500 and 1800, e = 0.7: at kn 2755.7684647 and kt 3467.6765468 N/m it was measured
-    to damp with gn 0.39037545558 and gt 0.35754836797 kg/s; prefactors sqrt(5) b and 2 sqrt(5/6) b, b = -ln e/sqrt(ln^2 e + pi^2)."""
+    """LIGGGHTS hertz, radii 5 and 7 mm, densities 2500 and 1800, e = 0.7: at kn 2755.7684647 and kt 3467.6765468 N/m it was
+    measured to damp with gn 0.39037545558 and gt 0.35754836797 kg/s. Fractions sqrt(5) b and 2 sqrt(5/6) b,
+    b = -ln e/sqrt(ln^2 e + pi^2)."""
     masses = [4.0 / 3.0 * pi * 2500.0 * 0.005**3, 4.0 / 3.0 * pi * 1800.0 * 0.007**3]
     meff = masses[0] * masses[1] / sum(masses)
     loss = -log(0.7) / sqrt(log(0.7) ** 2 + pi**2)

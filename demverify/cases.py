@@ -1,0 +1,86 @@
+"""Cases: a folder with in.lammps, in.liggghts and case.toml, which says what is measured and against what.
+
+    title = "..."                            what = "one or two sentences for the report"
+    accept = ["entry-id", ...]               known differences between the engines (register) that the case lives with
+    [[law]]  name = "slip_cessation"  tolerance = 1e-3  reason = "why this tolerance"  engines = [...]  parameters = {...}
+"""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from demverify import laws
+from demverify.deck.setup import Dialect
+from demverify.errors import InputError, Place
+
+DECKS: dict[Dialect, str] = {"lammps": "in.lammps", "liggghts": "in.liggghts"}
+
+
+@dataclass(frozen=True)
+class Law:
+    """A closed form to hold a case against; `tolerance` is of engine against law, and `reason` says why it is what it is."""
+
+    name: str
+    tolerance: float
+    reason: str
+    parameters: Mapping[str, Any] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Case:
+    """What a comparison works on. decks: dialect -> deck, one or both. accept: ids of the register."""
+
+    title: str
+    decks: Mapping[Dialect, Path]
+    what: str = ""
+    accept: tuple[str, ...] = ()
+    laws: tuple[Law, ...] = ()
+
+
+def load_case(folder: Path) -> Case:
+    """Reads a case folder. Raises InputError: no decks, a key that is not known, a missing tolerance or reason."""
+    decks = {dialect: folder / name for dialect, name in DECKS.items() if (folder / name).is_file()}
+    if not decks:
+        message = f"no {' or '.join(DECKS.values())} in this folder"
+        raise InputError(message, Place(folder))
+    file = folder / "case.toml"
+    table = _table(file) if file.is_file() else {}
+    _known(table, {"title", "what", "source", "accept", "law"}, "key", file)
+    return Case(
+        title=str(table.get("title", folder.resolve().name)),
+        decks=decks,
+        what=str(table.get("what", "")),
+        accept=tuple(table.get("accept", ())),
+        laws=tuple(_law(entry, file) for entry in table.get("law", ())),
+    )
+
+
+def _table(file: Path) -> dict[str, Any]:
+    try:
+        return tomllib.loads(file.read_text(encoding="utf-8"))
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError, OSError) as error:
+        message = f"not a readable case.toml: {error}"
+        raise InputError(message, Place(file)) from None
+
+
+def _law(entry: Mapping[str, Any], file: Path) -> Law:
+    _known(entry, {"name", "tolerance", "reason", "parameters"}, "law key", file)
+    missing = [key for key in ("name", "tolerance", "reason") if key not in entry]
+    if missing:
+        message = f"a [[law]] needs name, tolerance and reason; {missing[0]} is missing"
+        raise InputError(message, Place(file))
+    if entry["name"] not in laws.listing():
+        message = f"law {entry['name']!r} is not one of {', '.join(laws.listing())}"
+        raise InputError(message, Place(file))
+    return Law(entry["name"], float(entry["tolerance"]), entry["reason"], entry.get("parameters", {}))
+
+
+def _known(table: Mapping[str, Any], names: set[str], what: str, file: Path) -> None:
+    for key in table:
+        if key not in names:
+            message = f"{what} {key!r} is not one of {', '.join(sorted(names))}"
+            raise InputError(message, Place(file))

@@ -1,0 +1,154 @@
+"""One run of one engine, and the files every run leaves: trajectory.h5 and thermo.csv, whichever engine made them."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from demverify.deck.dialects import detect_dialect
+from demverify.deck.dry import DryBackend, DryRun, NeedsRun
+from demverify.deck.interpreter import Interpreter
+from demverify.deck.lexer import read_text
+from demverify.deck.setup import Dialect, Setup
+from demverify.engines import ENGINES
+from demverify.engines.base import Job, Outcome, Progress
+from demverify.errors import InputError
+from demverify.frames import Frame, Thermo
+
+if TYPE_CHECKING:
+    from demsolver import EnergyBudget
+
+MOST_FRAMES, MOST_ROWS = 1000, 500_000  # kept in memory by one comparison
+LEAST_FRAMES = 10
+
+
+@dataclass(frozen=True)
+class Plan:
+    """What a deck asks for, found by reading it without running it.
+
+    runs: its `run` commands. whole: False when the deck needs results of its own runs to go on, so that more may follow.
+    """
+
+    deck: Path
+    dialect: Dialect
+    setup: Setup
+    runs: Sequence[DryRun]
+    interpreter: Interpreter
+    whole: bool = True
+
+    @property
+    def steps(self) -> int:
+        """Steps of all runs."""
+        return sum(run.steps for run in self.runs)
+
+    @property
+    def particles(self) -> int:
+        """Particles at the first run."""
+        atoms = self.runs[0].setup.atoms if self.runs else self.setup.atoms
+        return atoms.n if atoms else 0
+
+
+@dataclass(frozen=True)
+class Run:
+    """An engine's run of a deck. label: how it is called in checks. budgets: (step, time, budget), native runs only."""
+
+    label: str
+    dialect: Dialect
+    outcome: Outcome
+    frames: Sequence[Frame] = ()
+    thermo: Thermo | None = None
+    budgets: Sequence[tuple[int, float, EnergyBudget]] = field(default=())
+
+
+def plan(deck: Path, variables: Mapping[str, Sequence[str]]) -> Plan:
+    """Reads a deck and checks it whole, scenes of its runs included. Raises InputError for a deck that is wrong or not supported."""
+    if not deck.is_file():
+        message = f"there is no deck {deck}"
+        raise InputError(message)
+    dialect, backend, whole = detect_dialect(deck), DryBackend(), True
+    interpreter = Interpreter(dialect, variables, backend)
+    try:
+        interpreter.run_deck(deck)
+    except NeedsRun:
+        whole = False
+    for run in backend.runs:
+        run.scene  # noqa: B018  (building it checks it)
+    return Plan(deck, dialect, interpreter.setup, backend.runs, interpreter, whole)
+
+
+def frame_interval(steps: int, particles: int) -> int:
+    """Steps between frames of a comparison: at most 1000 frames and 500,000 rows, at least 10 frames, and frames within tier 2."""
+    frames = min(MOST_FRAMES, max(LEAST_FRAMES, MOST_ROWS // max(1, particles)))
+    return max(1, -(-steps // frames))
+
+
+def output_interval(deck: Path, variables: Mapping[str, Sequence[str]]) -> int:
+    """Steps between frames of trajectory.h5 in a plain run: those of the deck's first dump, else of its thermo, else of its runs."""
+    try:
+        known = plan(deck, variables)
+    except InputError:
+        found = re.search(r"^\s*thermo\s+(\d+)", read_text(deck), re.MULTILINE)
+        return max(1, int(found[1])) if found else 1000
+    setup = known.runs[-1].setup if known.runs else known.setup
+    rhythms = [dump.every for dump in setup.dumps.values()] + [setup.thermo.every, known.steps]
+    return next((every for every in rhythms if every > 0), 1)
+
+
+def execute(engine: str, label: str, job: Job, progress: Progress | None = None, *, keep: bool = False, **settings: Any) -> Run:
+    """Runs a deck in an engine and leaves trajectory.h5 and thermo.csv in its folder. keep: keep the frames in memory.
+
+    settings: of the native engine only (budget, nudge). Raises InputError.
+    """
+    dialect = detect_dialect(job.deck)
+    if engine == "native":
+        from demverify.engines.native import ENGINE
+
+        outcome, outputs = ENGINE.run_with(job, progress, keep=keep, **settings)
+        return Run(label, dialect, outcome, outputs.frames, _thermo(outcome), outputs.budgets)
+    outcome = ENGINES[engine].run(job, progress)
+    frames, trajectory = _convert(outcome, keep=keep)
+    run = Run(label, dialect, replace(outcome, trajectory=trajectory), frames, _thermo(outcome))
+    if run.thermo is not None:
+        from demverify.formats.thermo import write_thermo_csv
+
+        write_thermo_csv(job.folder / "thermo.csv", run.thermo)
+    return run
+
+
+def _convert(outcome: Outcome, *, keep: bool) -> tuple[list[Frame], Path | None]:
+    """The engine's own frames as trajectory.h5; the raw dump goes."""
+    from demverify.formats.dump import read_dump
+    from demverify.formats.h5md import TrajectoryWriter
+
+    if outcome.trajectory is None or not outcome.trajectory.is_file():
+        return [], None
+    frames, path, dt = [], outcome.folder / "trajectory.h5", _timestep(outcome)
+    with TrajectoryWriter(path) as writer:
+        for frame in read_dump([outcome.trajectory], outcome.columns, partial_ok=outcome.status != "ok"):
+            writer.write(frame, frame.step * dt)
+            if keep:
+                frames.append(frame)
+    outcome.trajectory.unlink()
+    return frames, path
+
+
+def _timestep(outcome: Outcome) -> float:
+    """The time step as the engine's own log tells it; 1 when it does not."""
+    log = outcome.log.read_text(errors="replace") if outcome.log and outcome.log.is_file() else ""
+    found = re.findall(r"(?:Time step\s*:|^timestep)\s*([-+0-9.eE]+)", log, re.MULTILINE)
+    return float(found[-1]) if found else 1.0
+
+
+def _thermo(outcome: Outcome) -> Thermo | None:
+    from demverify.formats.log import merge_runs, read_thermo
+
+    if outcome.thermo_log is None or not outcome.thermo_log.is_file():
+        return None
+    tables = read_thermo(outcome.thermo_log)
+    try:
+        return merge_runs(tables) if tables else None
+    except InputError:
+        return tables[-1]

@@ -1,0 +1,76 @@
+"""Adding a contact law touches one file: a new file in the folder is a word of the deck and acts in the force sum."""
+
+from __future__ import annotations
+
+import importlib
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from demsolver import contact
+from demsolver.scene import Box, Particles, Scene
+from demverify.deck import materials_lammps
+from demverify.errors import InputError
+from tests.support.brute_force import forces
+from tests.support.contact_cases import setup_of
+
+QUARTIC = '''"""Hardening spring: F = k2 overlap^2 + k4 overlap^4. Source: this test."""
+
+
+def force(overlap: float, k2: float, k4: float) -> float:
+    """Elastic normal force."""
+    return k2 * overlap**2 + k4 * overlap**4
+
+
+def energy(overlap: float, k2: float, k4: float) -> float:
+    """Elastic energy."""
+    return k2 * overlap**3 / 3.0 + k4 * overlap**5 / 5.0
+'''
+DECK = ["pair_style granular", "pair_coeff * * hardening 3e6 5e10 40.0 damping velocity tangential linear_nohistory 0.0 0.0"]
+
+
+@pytest.fixture
+def hardening(tmp_path: Path) -> Iterator[None]:
+    """The folder of contact laws with one more file in it, for the length of a test."""
+    (tmp_path / "normal_hardening.py").write_text(QUARTIC)
+    contact.__path__.append(str(tmp_path))
+    importlib.invalidate_caches()
+    yield
+    contact.__path__.remove(str(tmp_path))
+    sys.modules.pop("demsolver.contact.normal_hardening", None)
+
+
+@pytest.mark.usefixtures("hardening")
+def test_a_new_file_is_a_new_word() -> None:
+    """The deck's numbers are the coefficients of force() in the order of its signature, then the damping coefficient."""
+    law = materials_lammps.pair_law(setup_of(DECK, "lammps", ntypes=1))
+    assert law is not None
+    assert law.normal == "hardening"
+    assert {name: float(law.coefficients[name][0, 0]) for name in ("k2", "k4", "gamman")} == {
+        "k2": 3e6,
+        "k4": 5e10,
+        "gamman": 40.0,
+    }
+
+
+@pytest.mark.usefixtures("hardening")
+def test_a_new_law_acts() -> None:
+    """Two spheres of radius 1 cm, overlapping by 1 mm, approaching at 0.1 m/s: F = 3e6 1e-6 + 5e10 1e-12 + 40 0.1 = 7.05 N."""
+    x = np.array([[0.0, 0, 0], [0.019, 0, 0]])
+    v = np.array([[0.0, 0, 0], [-0.1, 0, 0]])
+    ones, still = np.ones(2, int), np.zeros((2, 3))
+    particles = Particles(np.array([1, 2]), ones, x, v, still, np.full(2, 0.01), np.full(2, 1e-3), ones, np.zeros((2, 3), int))
+    law = materials_lammps.pair_law(setup_of(DECK, "lammps", ntypes=1))
+    scene = Scene(Box(np.full(3, -1.0), np.full(3, 1.0), ("ff", "ff", "ff")), particles, 1, 1e-6, pair=law)
+    force, torque, _ = forces(scene, x, v, still, {}, True)
+    assert force == pytest.approx(np.array([[-7.05, 0, 0], [7.05, 0, 0]]), rel=1e-12)
+    assert not torque.any()
+
+
+def test_without_the_file_the_word_is_unknown() -> None:
+    """The error lists the laws that exist."""
+    with pytest.raises(InputError, match="normal model 'hardening' is not one of hertz, hooke"):
+        materials_lammps.pair_law(setup_of(DECK, "lammps", ntypes=1))
