@@ -246,16 +246,17 @@ def exit_status(checks: Sequence[Check]) -> int:
 
 
 def explain(checks: Iterable[Check], entries: Sequence[Entry]) -> list[Check]:
-    """Name, in the reason of each failing check of engine against engine, the known deviations of an engine of that pair.
+    """Name, in the reason of each failing check of engine against engine, the known deviations that apply.
 
-    An entry that has an attribute `engine` explains only pairs with that engine. An explained check still fails.
+    checks: of one pair of engines; entries: what applies to that pair (`demverify.register.applying`). An explained check
+    still fails.
     """
     return [_explained(check, entries) if (check.outcome, check.kind) == ("fail", "engine") else check for check in checks]
 
 
 def _explained(check: Check, entries: Sequence[Entry]) -> Check:
-    known = [entry for entry in entries if getattr(entry, "engine", check.engines[0]) in check.engines]
-    return replace(check, reason="; ".join([*filter(None, [check.reason]), *(f"explained by {e.id}: {e.what}" for e in known)]))
+    known = [f"explained by {entry.id}: {entry.what}" for entry in entries]
+    return replace(check, reason="; ".join(filter(None, [check.reason, *known])))
 
 
 def _tier(steps: int, limits: Tolerances) -> Literal[1, 2, 3]:

@@ -95,8 +95,7 @@ def _section(data: DataFile, line: str, place: Place) -> str:
 def particles_of(data: DataFile, setup: Setup) -> Atoms:
     """The particles, wrapped into the periodic box, in the order of the file. Raises InputError with the line that is wrong."""
     rows = data.rows.get("Atoms", [])
-    if len(rows) != data.atoms:
-        raise InputError(f"the header says {data.atoms} atoms, the section Atoms holds {len(rows)}", Place(data.path))
+    _check_count(data, "Atoms")
     _check_widths(data, rows, (7, 10), _ATOM_COLUMNS)
     table = _table(data, [(number, words[:7]) for number, words in rows], _ATOM_COLUMNS)
     images = _table(data, [(number, words[7:] or ["0", "0", "0"]) for number, words in rows], "ix iy iz")
@@ -117,16 +116,24 @@ def particles_of(data: DataFile, setup: Setup) -> Atoms:
 
 
 def _velocities(data: DataFile, atoms: Atoms) -> None:
-    rows = data.rows.get("Velocities", [])
-    _check_widths(data, rows, (7,), _VELOCITY_COLUMNS)
-    if not rows:
+    if "Velocities" not in data.rows:
         return
+    rows = data.rows["Velocities"]
+    _check_count(data, "Velocities")
+    _check_widths(data, rows, (7,), _VELOCITY_COLUMNS)
     table = _table(data, rows, _VELOCITY_COLUMNS)
     row_of = {identity: row for row, identity in enumerate(atoms.id.tolist())}
-    known = np.array([identity in row_of for identity in table[:, 0].tolist()])
+    known = np.array([identity in row_of for identity in table[:, 0].tolist()], dtype=bool)
     _complain(data, rows, ~known, "the id is not in the section Atoms")
-    at = np.array([row_of[int(identity)] for identity in table[:, 0]])
+    _check_unique(data, rows, table[:, 0])
+    at = np.array([row_of[int(identity)] for identity in table[:, 0]], dtype=np.int64)
     atoms.v[at], atoms.omega[at] = table[:, 1:4], table[:, 4:7]
+
+
+def _check_count(data: DataFile, section: str) -> None:
+    count = len(data.rows.get(section, []))
+    if count != data.atoms:
+        raise InputError(f"the header says {data.atoms} atoms, the section {section} holds {count}", Place(data.path))
 
 
 def _check_widths(data: DataFile, rows: list[tuple[int, list[str]]], widths: tuple[int, ...], columns: str) -> None:

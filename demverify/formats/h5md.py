@@ -225,12 +225,12 @@ def _opened(path: Path) -> h5py.File:
 
     try:
         return h5py.File(path, "r")
-    except OSError:
-        try:  # a writer was killed, or is still at it
+    except OSError as error:
+        why = str(error).splitlines()[0]
+        if "already open" in why or "lock" in why:  # a writer was killed, or is still at it
             return h5py.File(path, "r", libver="latest", swmr=True)
-        except OSError as error:
-            message = f"not an HDF5 file: {str(error).splitlines()[0]}"
-            raise InputError(message, Place(path)) from None
+        message = f"not an HDF5 file, or damaged: {why}"
+        raise InputError(message, Place(path)) from None
 
 
 def _columns(element: str, values: Floats) -> dict[str, Floats]:

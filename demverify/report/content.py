@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import Literal, Protocol
 
 import numpy as np
 
@@ -21,6 +21,26 @@ class EngineInfo:
     particle_steps_per_s: float | None = None
     status: Literal["ran", "skipped", "crashed"] = "ran"
     reason: str = ""
+
+
+class Deviation(Entry, Protocol):
+    """What the page tells of a known deviation: an entry of `demverify.register`."""
+
+    @property
+    def engine(self) -> str:
+        """Who has it."""
+
+    @property
+    def version(self) -> str:
+        """In which version it was shown."""
+
+    @property
+    def size(self) -> str:
+        """How large it is."""
+
+    @property
+    def link(self) -> str:
+        """Where it is discussed or written."""
 
 
 @dataclass(frozen=True)
@@ -59,7 +79,7 @@ class Report:
     envelope: Sequence[DifferenceCurve] = ()
     settings: Sequence[tuple[str, str, str, str]] = ()
     settings_head: tuple[str, str, str, str] = ("Deck", "LAMMPS", "LIGGGHTS", "In the scene")
-    entries: Sequence[Entry] = ()
+    entries: Sequence[Deviation] = ()
     command: str = ""
 
 

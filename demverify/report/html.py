@@ -11,7 +11,7 @@ from string import Template
 from demverify.compare import Check, Tolerances, summary
 from demverify.differences import QUANTITIES
 from demverify.report import pictures, tables
-from demverify.report.content import DifferenceCurve, EnergySeries, EngineInfo, Report, difference_curves
+from demverify.report.content import Deviation, DifferenceCurve, EnergySeries, EngineInfo, Report, difference_curves
 from demverify.report.json import write_whole
 
 __all__ = ["DifferenceCurve", "EnergySeries", "EngineInfo", "Report", "difference_curves", "render", "write_report"]
@@ -133,10 +133,16 @@ def _plots(plots: Sequence[str], legend: Sequence[tuple[str, str]]) -> str:
 
 def _entries(report: Report) -> str:
     """The entries of the register that apply, each under the name that the table of verdicts links to."""
-    items = "".join(
-        f'<div id="known-{escape(e.id)}"><dt>{escape(e.id)}</dt><dd>{escape(e.what)}</dd></div>' for e in report.entries
-    )
+    items = "".join(_entry(entry) for entry in report.entries)
     return f'<dl class="entries">{items}</dl>' if items else ""
+
+
+def _entry(entry: Deviation) -> str:
+    link, name = escape(entry.link), escape(entry.id)
+    where = f'<a href="{link}">{link}</a>' if link.startswith("https://") and " " not in link else link
+    owner = f'<span class="soft">{escape(entry.engine)} {escape(entry.version)}</span>'
+    told = f'{escape(entry.what)}<p class="soft">{escape(entry.size)}</p><p class="soft">{where}</p>'
+    return f'<div id="known-{name}"><dt>{name}<br>{owner}</dt><dd>{told}</dd></div>'
 
 
 def _every_check(report: Report) -> str:

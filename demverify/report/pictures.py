@@ -39,7 +39,7 @@ def budget_picture(engine: str, series: EnergySeries, names: Sequence[str]) -> s
     """The energy budget of one engine: every share over time, each in a colour and dash of its own."""
     lines = [(series.time, series.values[name], budget_stroke(k)) for k, name in enumerate(names)]
     ends = "; ".join(f"{name} from {series.values[name][0]:.4g} to {series.values[name][-1]:.4g}" for name in names)
-    return _lines(f"energy budget of {engine}", f"energy budget of {engine} over time: {ends}", lines)
+    return _lines("energy", f"energy budget of {engine} over time: {ends}", lines)
 
 
 def budget_stroke(index: int) -> str:
@@ -73,8 +73,9 @@ def difference_picture(
     first = min(float(c.step[0]) for c in everything)
     last = max(float(c.step[-1]) for c in everything) - first
     x_axis = steps(last)
-    peak = max((float(np.max(v)) for c in everything if len(v := c.value[np.isfinite(c.value) & (c.value > 0)])), default=1e-9)
-    y_axis = decades(LOWEST, max(-6, int(np.ceil(np.log10(peak))), 0 if peak > 1e-3 else -6))
+    values = np.concatenate([c.value for c in curves.values()] + ([tolerances.chaos_factor * envelope.value] if envelope else []))
+    peak = min(float(np.max(values, where=np.isfinite(values), initial=1e-6)), 1.0)
+    y_axis = decades(LOWEST, int(np.ceil(np.log10(peak))))
     parts = [_area(*_places(envelope.step - first, envelope.value, x_axis, y_axis))] if envelope else []
     parts.append(_limits(last, x_axis, y_axis, envelope, first, tolerances))
     for index, curve in curves.items():

@@ -1,4 +1,4 @@
-"""One state of 16 spheres of two types, plane and cylinder, as a deck for either engine: many contact laws in one process."""
+"""One state of 17 spheres of two types, plane and cylinder, as a deck for either engine: many contact laws in one process."""
 
 from __future__ import annotations
 
@@ -36,11 +36,11 @@ class Case:
 
 def spheres() -> tuple[Floats, Floats, Floats, Floats, NDArray[np.int64]]:
     """x, v, omega (n, 3), radius (n,), type (n,): a cluster, a pair, spheres on the plane, at the cylinder, at both; one pair
-    about to touch and one about to part."""
+    about to touch, one about to part, one sphere that just touches the plane."""
     rng = np.random.default_rng(7)
-    radius = np.round(rng.uniform(0.004, 0.007, 16), 5)
-    kind = np.array([1, 2, 1, 2, 1, 2, 1, 1, 2, 2, 1, 1, 2, 1, 2, 2])
-    x = np.zeros((16, 3))
+    radius = np.round(rng.uniform(0.004, 0.007, 17), 5)
+    kind = np.array([1, 2, 1, 2, 1, 2, 1, 1, 2, 2, 1, 1, 2, 1, 2, 2, 1])
+    x = np.zeros((17, 3))
     x[0] = (0.0, 0.0, 0.04)
     for k, way in enumerate(((1, 0.2, 0.1), (-1, 0.3, 0.2), (0.1, 1, -0.3), (0.2, -1, 0.4)), start=1):
         x[k] = x[0] + np.array(way) / np.linalg.norm(way) * (radius[0] + radius[k] - 1e-4 * (k + 1))
@@ -52,9 +52,10 @@ def spheres() -> tuple[Floats, Floats, Floats, Floats, NDArray[np.int64]]:
         x[k] = (off * np.cos(angle), off * np.sin(angle), 0.05 if k < 13 else radius[13] - 1.5e-4)
     x[14] = x[7] + np.array((0.0, 0.0, 1.0)) * (radius[7] + radius[14] + 1e-6)  # about to touch
     x[15] = x[8] + np.array((0.0, 0.0, 1.0)) * (radius[8] + radius[15] - 4e-6)  # about to part
-    v = rng.uniform(-0.35, 0.35, (16, 3))
-    omega = rng.uniform(-60.0, 60.0, (16, 3))
-    v[14, 2], v[15, 2], v[7, 2], v[8, 2] = -0.4, 0.5, 0.1, -0.1
+    x[16] = (0.0, 0.045, radius[16])  # zero gap: a contact in LIGGGHTS, none in LAMMPS
+    v = rng.uniform(-0.35, 0.35, (17, 3))
+    omega = rng.uniform(-60.0, 60.0, (17, 3))
+    v[14, 2], v[15, 2], v[7, 2], v[8, 2], v[16, 2] = -0.4, 0.5, 0.1, -0.1, -0.3
     return x, v, omega, radius, kind
 
 

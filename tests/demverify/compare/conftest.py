@@ -21,7 +21,7 @@ VECTORS = {
 def packing(
     step: int = 0, n: int = 20, seed: int = 1, boundary: tuple[str, str, str] = ("ff", "ff", "ff"), **vectors: object
 ) -> Frame:
-    """n spheres of radius about 1 mm in a box of 1 m: forces about 1 N, torques about 1e-4 N m; keywords replace whole vectors."""
+    """n spheres of about 1 mm in a box of 1 m: forces about 1 N, torques about 1e-4 N m; keywords replace whole vectors."""
     rng = np.random.default_rng(seed)
     sizes = {"x": 0.3, "v": 1.0, "f": 1.0, "w": 100.0, "t": 1e-4}
     columns = {"id": np.arange(1.0, n + 1), "radius": rng.uniform(0.9e-3, 1e-3, n), "mass": rng.uniform(1e-6, 2e-6, n)}

@@ -1,7 +1,7 @@
 """The chaos envelope, on a system whose exponential growth is known: Chirikov's standard map.
 
-p' = p + K sin x, x' = x + p' (mod 2 pi), one map a particle. Its rounding grows by about e^ln(K/2) a step for large K; the force K sin x
-is what an engine computes, and an engine that computes it in another order of operations multiplies it by 1 + a few 1e-16.
+p' = p + K sin x, x' = x + p' (mod 2 pi), one map a particle. Rounding grows by about K/2 a step for large K; the force
+K sin x is what an engine computes, and one that computes it in another order of operations multiplies it by 1 + a few 1e-16.
 """
 
 from __future__ import annotations
@@ -98,7 +98,7 @@ def test_the_factor_is_not_used_up_by_rounding(start, native, envelope, seed):
 
 
 def test_a_systematic_error_cannot_hide_behind_the_envelope(start, native, envelope):
-    """A force 1e-6 too large fails at the set-up, and at every early step as 'not chaos'; that it is excused later saves nothing."""
+    """A force 1e-6 too large fails at the set-up and at every early step, as 'not chaos'; later excuses save nothing."""
     checks = compare_series(native, run(start, force=lambda f, step: f * (1 + 1e-6)), PAIR, envelope)
     force = of_force(checks)
     assert verdict(checks) == "fail"
@@ -217,7 +217,7 @@ def test_the_tiers_are_as_promised():
 
 
 def test_the_spread_of_a_bulk_figure_is_not_small_by_accident(make, replaced):
-    """Two speeds that change by +1 and -1 leave their mean alone; the spread is sqrt(2)/n all the same, and n changes of +1 are 1."""
+    """Two speeds that change by +1 and -1 leave their mean alone; the spread is sqrt(2)/n all the same."""
     still = make(v=np.tile([10.0, 0.0, 0.0], (20, 1)))
     speeds = still.columns["vx"].copy()
     speeds[:2] += [1.0, -1.0]

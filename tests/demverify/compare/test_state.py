@@ -119,7 +119,7 @@ def test_a_missing_quantity_is_skipped_by_name(make, replaced):
 @settings(max_examples=60, deadline=None)
 @given(row=st.integers(0, 19), axis=st.integers(0, 2), exponent=st.floats(-11.5, 2.0), sign=st.sampled_from([-1, 1]))
 def test_one_force_off_by_more_than_the_limit_is_rejected(make, replaced, row, axis, exponent, sign):
-    """A single component of a single particle, off by more than 1e-12 of the largest force, fails; the reason names the particle."""
+    """One component of one particle, off by more than 1e-12 of the largest force, fails; the reason names the particle."""
     frame, column = make(), QUANTITIES["force"][axis]
     largest = np.sqrt(sum(frame.columns[c] ** 2 for c in QUANTITIES["force"])).max()
     values = frame.columns[column].copy()
@@ -184,7 +184,7 @@ def test_forces_of_any_size_are_told_apart(make, replaced, factor):
 
 
 def test_torques_of_rounding_are_no_difference(make):
-    """A frictionless scene: torques of 1e-17 F R in one engine and none in the other are rounding, and so are spins of that size."""
+    """A frictionless scene: torques of 1e-17 F R in one engine alone are rounding, and so are spins of that size."""
     none, rounding = np.zeros((20, 3)), np.full((20, 3), 1e-17 * 1e-3)
     checks = compare_state(make(t=none, w=none), make(t=rounding, w=rounding * 1e3), PAIR)
     assert verdict(checks) == "pass"

@@ -107,7 +107,7 @@ COMMANDS = [
     (GRAINS, "dump 1 all vtk 10 f id", "dump style 'vtk' is not one of custom, atom"),
     (GRAINS, "dump 1 all custom 0 f id", "dump number of steps must be at least 1, got 0"),
     (GRAINS, "dump 1 all custom 10 f", "dump custom expects the columns to write"),
-    (GRAINS + "dump 1 all atom 10 f\n", "dump_modify 1 format 6 %g", "dump_modify format expects line, float, int, none or a column"),
+    (GRAINS + "dump 1 all atom 10 f\n", "dump_modify 1 format 6 %g", "dump_modify format expects line, float, int, none or a"),
     (GRAINS, "undump 1", "undump dump '1' does not exist; defined: none"),
     (GRAINS, "thermo_style custom", "thermo_style custom expects keywords, got ''"),
     (GRAINS, "thermo_style fancy", "thermo_style style 'fancy' is not one of one, multi, custom"),
@@ -138,6 +138,7 @@ def test_a_wrong_command_is_one_line_with_its_place(before: str, wrong: str, mes
 
 HEAD = "sizes\n\n2 atoms\n1 atom types\n0 1 xlo xhi\n0 1 ylo yhi\n0 1 zlo zhi\n\n"  # lines 1 to 8
 FIRST = "Atoms\n\n1 1 0.1 2500 0.2 0.5 0.5\n"  # 9 to 11; the second particle is line 12
+WHOLE = HEAD + FIRST + "2 1 0.1 2500 0.4 0.5 0.5\n\n"  # the next section starts in line 14
 DATA = [
     ("", ": the data file is empty"),
     (HEAD + FIRST, ": the header says 2 atoms, the section Atoms holds 1"),
@@ -157,20 +158,21 @@ DATA = [
     (HEAD + FIRST + "2 1 -0.1 2500 0.4 0.5 0.5\n", ":12: the diameter must not be negative"),
     (HEAD + FIRST + "2 1 0.1 0 0.4 0.5 0.5\n", ":12: the density must be above zero"),
     (HEAD + FIRST + "2 1 0.1 2500 1.4 0.5 0.5\n", ":12: the particle is outside the box"),
-    (HEAD + FIRST + "2 1 0.1 2500 0.4 0.5 0.5\n\nVelocities\n\n3 0 0 0 0 0 0\n", ":16: the id is not in the section Atoms"),
-    (HEAD + FIRST + "2 1 0.1 2500 0.4 0.5 0.5\n\nVelocities\n\n1 0 0 0\n", ":16: expected id vx vy vz wx wy wz"),
+    (WHOLE + "Velocities\n\n3 0 0 0 0 0 0\n1 0 0 0 0 0 0\n", ":16: the id is not in the section Atoms"),
+    (WHOLE + "Velocities\n\n1 0 0 0\n2 0 0 0\n", ":16: expected id vx vy vz wx wy wz"),
     (
-        HEAD + FIRST + "2 1 0.1 2500 0.4 0.5 0.5\n\nBonds\n\n1 1 1 2\n",
+        WHOLE + "Bonds\n\n1 1 1 2\n",
         ":14: section 'Bonds' is not supported; supported: Atoms, Velocities",
     ),
     (HEAD + "Atoms # atomic\n\n1 1 0 0 0\n", ":9: expected Atoms of style sphere, got style 'atomic'"),
-    (HEAD + FIRST + "2 1 0.1 2500 0.4 0.5 0.5\n\nAtoms\n", ":14: a second section Atoms"),
+    (WHOLE + "Atoms\n", ":14: a second section Atoms"),
     ("x\n2 atms\n", ":2: expected a header line such as '10 atoms'"),
     ("x\n-2 atoms\n", ":2: expected a whole number for the number of atoms, got '-2'"),
     ("x\n0 a xlo xhi\n", ":2: expected a number for xhi, got 'a'"),
     ("x\n3 bonds\n", ":2: bonds are not supported: expected spheres only"),
     ("x\n0 1 0 xy xz yz\n", ":2: expected a header line"),
     ("x\n\0\n", ":2: expected a text file, found a binary one"),
+    (WHOLE + "Velocities\n\n1 0 0 0 0 0 0\n", ": the header says 2 atoms, the section Velocities holds 1"),
 ]
 
 

@@ -33,6 +33,9 @@ Velocities
 
 7 1 2 3 4 5 6
 3 -1 -2 -3 -4 -5 -6
+1 0 0 0 0 0 0
+5 1e-3 0 0 0.5 0 0
+2 0 0 0 0 0 1
 """
 DECK = "units si\natom_style sphere\nboundary p p s\nread_data {}\ngroup seven id 7\n"
 COLUMNS = ("id", "type", "x", "v", "omega", "radius", "mass", "mask", "image")

@@ -21,8 +21,8 @@ BOX = "units si\nboundary f f f\nregion b block 0 1 0 1 0 1 units box\ncreate_bo
     [
         ("variable i loop 3\nlabel l\nprint $i\nnext i\njump SELF l\nprint done", ["1", "2", "3", "done"]),
         (
-            "variable a index 1 2 3 2\nlabel l\nif '$a == 2' then 'jump SELF z'\nprint $a\nnext a\njump SELF l\nlabel z\nprint end$a",
-            ["1", "end2"],
+            "variable a index 1 2 2\nlabel l\nif '$a == 2' then 'jump SELF z'\nprint $a\nnext a\njump SELF l\nlabel z\nprint $a!",
+            ["1", "2!"],
         ),
         ("if '1 == 2' then 'print x' elif 2==2 'print y' 'print z' else 'print w'", ["y", "z"]),
         ("if '1 == 2' then 'print x' elif 2==3 'print y' else 'print w'", ["w"]),
@@ -92,10 +92,11 @@ def test_static_values_in_formulas(run_deck: Run) -> None:
         BOX
         + "create_atoms 1 single 0.25 0.5 0.5 units box\ncreate_atoms 2 single 0.75 0.5 0.5 units box\n"
         + "set atom 1 mass 1 vx 2\nset atom 2 mass 3\ngroup two type 2\n"
-        + "print '$(vol) $(lx) $(xhi) $(count(two)) $(mass(all)) $(xcm(all,x)) $(vcm(all,x)) $(ke(all)) $(x[2]) $(bound(two,xmin))'\n"
+        + "print '$(vol) $(lx) $(xhi) $(count(two)) $(mass(all)) $(xcm(all,x)) $(vcm(all,x)) $(ke(all)) $(x[2])'\n"
+        + "print '$(bound(two,xmin))'\n"
         + "timestep 0.5\nreset_timestep 8\nprint '$(step) $(dt) $(time) $(atoms)'"
     )
-    assert deck.printed == ["1 1 1 1 4 0.625 0.5 2 0.75 0.75", "8 0.5 4 2"]
+    assert deck.printed == ["1 1 1 1 4 0.625 0.5 2 0.75", "0.75", "8 0.5 4 2"]
 
 
 def test_after_a_dry_run_moving_values_are_refused(run_deck: Run) -> None:

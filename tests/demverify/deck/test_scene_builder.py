@@ -6,8 +6,8 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-from demsolver.scene import Enforce2D, Freeze, Gravity, NveSphere, SetForce, Viscous
 
+from demsolver.scene import Enforce2D, Freeze, Gravity, NveSphere, SetForce, Viscous
 from demverify.deck.dry import DryBackend
 from demverify.deck.interpreter import Interpreter
 from demverify.deck.scene_builder import scene_of

@@ -1,0 +1,200 @@
+"""The command line: thin. Data on stdout, progress on stderr; exit status 0 agree, 1 disagree, 2 wrong input, 3 an engine crashed."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from demverify.errors import InputError
+
+if TYPE_CHECKING:
+    from demverify.engines.base import Progress
+
+app = typer.Typer(
+    add_completion=False, no_args_is_help=True, pretty_exceptions_enable=False, help="One deck, three engines, one verdict.",
+    context_settings={"help_option_names": ["-h", "--help"]},
+)  # fmt: skip
+
+Json = Annotated[Path | None, typer.Option("--json", metavar="FILE", help="Also write the result as JSON.")]
+Var = Annotated[
+    list[str] | None,
+    typer.Option("--var", metavar="NAME VALUE", help="Set a variable of the deck, as -var of LAMMPS; may be repeated. NAME=VALUE works too."),
+]
+Threads = Annotated[int, typer.Option(min=1, help="Threads of the native engine.")]
+Ranks = Annotated[int, typer.Option(min=1, help="MPI ranks of LAMMPS and LIGGGHTS.")]
+Timeout = Annotated[float, typer.Option(min=1.0, help="Time limit of one engine, in seconds.")]
+
+
+@app.command()
+def compare(
+    target: Annotated[Path, typer.Argument(help="A case folder (in.lammps, in.liggghts, case.toml) or one deck.")],
+    out: Annotated[Path, typer.Option(help="Folder for runs and report.")] = Path("demverify-report"),
+    engine: Annotated[list[str] | None, typer.Option(help="Compare only these engines; may be repeated.")] = None,
+    accept: Annotated[list[str] | None, typer.Option(help="A known difference (id in the register) to live with; may be repeated.")] = None,
+    var: Var = None,
+    threads: Threads = 1,
+    ranks: Ranks = 1,
+    timeout: Timeout = 3600.0,
+    json: Json = None,
+) -> None:
+    """Run a deck or a case in every engine there is, and say where they agree."""
+    from demverify import verify
+    from demverify.compare import exit_status
+    from demverify.report.html import write_report
+    from demverify.report.json import write_json
+    from demverify.report.text import print_comparison
+
+    variables = _variables(var)
+    settings = verify.Settings(variables, _engines(engine), threads, ranks, timeout, tuple(accept or ()))
+    if not target.exists():
+        message = f"there is no deck or case folder {target}"
+        raise InputError(message)
+    folder = out / target.resolve().name
+    case, rows = verify.find_case(target, folder, variables)
+    with _bars() as watch:
+        found = verify.compare_case(case, folder, settings, watch, rows)
+    page = folder / "report.html"
+    write_report(page, found.report)
+    if json:
+        write_json(json, found.checks, found.report.engines)
+    print_comparison(found.report, page)
+    raise typer.Exit(exit_status(found.checks))
+
+
+@app.command()
+def run(
+    deck: Annotated[Path, typer.Argument(help="A deck of LAMMPS or LIGGGHTS.")],
+    engine: Annotated[str, typer.Option(help="native, lammps or liggghts.")] = "native",
+    out: Annotated[Path, typer.Option(help="Folder for everything the run writes.")] = Path("demverify-run"),
+    var: Var = None,
+    threads: Threads = 1,
+    ranks: Ranks = 1,
+    timeout: Timeout = 3600.0,
+    json: Json = None,
+) -> None:
+    """Run a deck in one engine; leaves its dumps, thermo.csv and trajectory.h5 in a folder."""
+    from demverify.engines.base import Job
+    from demverify.report.json import write_json
+    from demverify.report.text import print_run
+    from demverify.runs import execute, output_interval
+    from demverify.verify import engine_info
+
+    (name,) = _engines([engine]) or ("native",)
+    if not deck.is_file():
+        message = f"there is no deck {deck}"
+        raise InputError(message)
+    variables = _variables(var)
+    job = Job(deck, out, variables, output_interval(deck, variables), timeout, ranks, threads)
+    with _bars() as watch:
+        found = execute(name, name, job, watch(name))
+    if json:
+        write_json(json, None, {name: engine_info(found)})
+    print_run(found)
+    raise typer.Exit({"ok": 0, "skipped": 2, "crashed": 3}[found.outcome.status])
+
+
+@app.command()
+def convert(
+    deck: Annotated[Path, typer.Argument(help="The deck to convert.")],
+    to: Annotated[str, typer.Option(help="lammps or liggghts.")],
+    output: Annotated[Path, typer.Option("-o", "--output", help="The deck to write; a data file goes beside it where one is needed.")],
+    var: Var = None,
+) -> None:
+    """Write a deck in the other engine's words."""
+    from demverify.deck.convert import convert as convert_deck
+    from demverify.runs import plan
+
+    if to not in ("lammps", "liggghts"):
+        message = f"--to {to} is not one of lammps, liggghts"
+        raise InputError(message)
+    found = convert_deck(plan(deck, _variables(var)), to, output)  # type: ignore[arg-type]
+    for theirs, ours, _ in found.rows:
+        print(f"{theirs}  ->  {ours}")
+
+
+@app.command()
+def doctor(json: Json = None) -> None:
+    """Say which engines are here, which versions, what is missing and how to get it."""
+    from demverify.doctor import diagnose
+    from demverify.report.text import print_doctor
+
+    rows = diagnose()
+    if json:
+        import json as format_json
+
+        from demverify.report.json import write_whole
+
+        write_whole(json, format_json.dumps(rows, indent=1) + "\n")
+    print_doctor(rows)
+
+
+def _engines(names: list[str] | None) -> tuple[str, ...] | None:
+    from demverify.engines import ENGINES
+
+    for name in names or ():
+        if name not in ENGINES:
+            message = f"engine {name!r} is not one of {', '.join(ENGINES)}"
+            raise InputError(message)
+    return tuple(names) if names else None
+
+
+def _variables(given: list[str] | None) -> dict[str, list[str]]:
+    pairs = {}
+    for text in given or ():
+        name, equals, value = text.partition("=")
+        if not equals or not name:
+            message = f"--var {text}: expected NAME VALUE"
+            raise InputError(message)
+        pairs[name] = [value]
+    return pairs
+
+
+def _joined_vars(arguments: list[str]) -> list[str]:
+    """`--var NAME VALUE` as `--var NAME=VALUE`: click's options take one word when they may be repeated."""
+    joined, rest = [], list(arguments)
+    while rest:
+        word = rest.pop(0)
+        joined.append(word)
+        if word in ("--var", "-var") and rest:
+            joined[-1] = "--var"
+            name = rest.pop(0)
+            joined.append(name if "=" in name or not rest else f"{name}={rest.pop(0)}")
+    return joined
+
+
+@contextmanager
+def _bars() -> Iterator[Any]:
+    """A progress bar on stderr for each engine that runs longer than a moment."""
+    from rich.console import Console
+    from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+
+    console = Console(stderr=True)
+    columns = (TextColumn("{task.description:>18}"), BarColumn(), TextColumn("{task.completed:>9.0f} of {task.total:.0f} steps"), TimeRemainingColumn())
+    with Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as bars:
+
+        def watch(label: str) -> Progress:
+            task = bars.add_task(label, total=1)
+            return lambda done, total: bars.update(task, completed=done, total=max(1, total))
+
+        yield watch
+
+
+def main() -> None:
+    """Entry point: bad input is one line on stderr and exit status 2."""
+    try:
+        app(args=_joined_vars(sys.argv[1:]), standalone_mode=True)
+    except InputError as error:
+        print(f"demverify: {error}", file=sys.stderr)
+        sys.exit(2)
+    except KeyboardInterrupt:
+        print("demverify: interrupted; what was written is readable", file=sys.stderr)
+        sys.exit(130)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,214 @@
+"""A deck of one dialect as a deck of the other: the same commands in the same order, with what differs said in the other's words.
+
+Variables are substituted and loops unrolled. Where particles come from a data file or from random numbers, or where LIGGGHTS needs a
+type of its own for a wall, their state at the first run is handed over in a data file beside the deck, exact to the last bit.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from demverify.deck import convert_laws as laws
+from demverify.deck.command import Executed
+from demverify.deck.setup import Dialect
+from demverify.errors import InputError, Place
+from demverify.formats.atomic import atomic_write
+from demverify.formats.data_file import write_data
+
+if TYPE_CHECKING:
+    from demverify.runs import Plan
+
+RANDOM = ("velocity", "displace_atoms", "set", "create_atoms")
+STATE = ("create_box", "create_atoms", "read_data", "set", "velocity", "displace_atoms", "lattice", "mass", "density", "diameter", "molecule")
+DROPPED = ("variable", "log", "echo", "processors", "comm_modify", "communicate", "newton", "atom_modify", "suffix", "package", "label",
+           "pair_coeff", "pair_modify", "soft_particles", "hard_particles", "thermo_modify", "compute_modify", "fix_modify", "timers",
+           "run_style", "next", "jump", "include", "if", "info", "timer", "balance", "restart", "write_restart", "write_data", "write_dump")  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Conversion:
+    """A converted deck: its lines, whether a data file goes with it, and which setting was mapped to what (theirs, ours, meaning)."""
+
+    target: Dialect
+    lines: tuple[str, ...]
+    ntypes: int
+    handover: bool
+    rows: tuple[tuple[str, str, str], ...]
+
+
+def convert(plan: Plan, target: Dialect, output: Path) -> Conversion:
+    """Writes the deck of `plan` in the other dialect to `output`, and a data file beside it where one is needed.
+
+    Raises InputError for a deck that is in this dialect already, that goes on with results of its own runs, or that says something
+    the other engine cannot.
+    """
+    found = conversion(plan, target, output.name + ".data")
+    if found.handover:
+        setup = plan.runs[0].setup
+        assert setup.atoms is not None and setup.box is not None
+        write_data(output.with_name(output.name + ".data"), setup.atoms, setup.box, found.ntypes, target, setup.dimension)
+    with atomic_write(output) as temporary:
+        temporary.write_text("\n".join(found.lines) + "\n")
+    return found
+
+
+def conversion(plan: Plan, target: Dialect, data_name: str) -> Conversion:
+    """The lines of the converted deck; writes nothing."""
+    if plan.dialect == target:
+        message = f"this is a {target} deck already"
+        raise InputError(message, Place(plan.deck))
+    if not plan.runs or not plan.whole:
+        message = "cannot be converted: it " + ("has no run" if not plan.runs else "goes on with values that only its own runs give")
+        raise InputError(message, Place(plan.deck))
+    return _Translator(plan, target, data_name).translate()
+
+
+class _Translator:
+    def __init__(self, plan: Plan, target: Dialect, data_name: str) -> None:
+        self.plan, self.target, self.data_name = plan, target, data_name
+        self.setup = plan.runs[0].setup
+        self.scene = plan.runs[0].scene
+        self.place = self.setup.pair_place
+        self.rows: list[tuple[str, str, str]] = []
+        self.ntypes = self.setup.ntypes
+        self.wall_types: list[int] = []
+        self.tables: list[laws.Table] = []
+        if target == "liggghts":
+            self._type_walls()
+        self.handover = self.ntypes > self.setup.ntypes or any(_draws(e) or e.words[0] == "read_data" for e in plan.interpreter.executed)
+        self._handed = self._ran = self._paired = False
+
+    def translate(self) -> Conversion:
+        lines = [f"# {self.target} deck written by demverify from {self.plan.deck.name}"]
+        for executed in self.plan.interpreter.executed:
+            for line in self._one(executed):
+                lines.append(line)
+                if line != executed.text.strip() and not line.startswith("#"):
+                    self.rows.append((f"{executed.place.line}: {executed.text.strip()}", line, ""))
+        return Conversion(self.target, tuple(lines), self.ntypes, self.handover, tuple(self.rows))
+
+    def _one(self, executed: Executed) -> Iterator[str]:
+        name, words = executed.words[0], executed.words
+        if name == "run":
+            self._ran = True
+        if name in STATE and self.handover and not self._ran:
+            yield from self._hand_over(name)
+        elif name == "variable" and words[2:3] == ("equal",):
+            yield f"variable {words[1]} equal \"{' '.join(words[3:])}\""
+        elif name == "thermo_modify":
+            yield from self._thermo_modify(words)
+        elif name in COMMANDS:
+            yield from COMMANDS[name](self, words)
+        elif name not in DROPPED:
+            yield executed.text.strip()
+
+    def _hand_over(self, name: str) -> Iterator[str]:
+        if not self._handed and name in ("create_box", "read_data"):
+            self._handed = True
+            yield f"read_data {self.data_name}"
+
+    def _type_walls(self) -> None:
+        """LIGGGHTS: tables of the pair law, widened where a wall has a law of its own."""
+        pair = self.scene.pair
+        walls = [laws.liggghts_tables(self._plain(wall.law)) for wall in self.scene.walls]
+        start = laws.liggghts_tables(self._plain(pair)) if pair else []
+        self.tables, self.wall_types = laws.with_wall_types(start, walls, self.ntypes, self.place)
+        self.ntypes = max([self.ntypes, *self.wall_types])
+
+    def _plain(self, law: laws.ContactLaw) -> laws.ContactLaw:
+        laws.liggghts_style(law, self.place)
+        return law
+
+    def _atom_style(self, words: tuple[str, ...]) -> Iterator[str]:
+        if self.target == "lammps":
+            yield from ("atom_style sphere", "comm_modify vel yes")
+        else:
+            yield from ("atom_style granular", "atom_modify map array", "newton off", "communicate single vel yes")
+
+    def _pair_style(self, words: tuple[str, ...]) -> Iterator[str]:
+        law = self.scene.pair
+        if law is None or self._paired:
+            return
+        self._paired = True
+        if self.target == "lammps":
+            yield "pair_style granular"
+            yield from laws.lammps_pair_coeffs(law, self.scene.particles, self.setup.ntypes, self.place)
+        else:
+            yield from laws.property_lines(self.tables)
+            yield f"pair_style gran {laws.liggghts_style(law, self.place)}"
+            yield "pair_coeff * *"
+
+    def _fix(self, words: tuple[str, ...]) -> Iterator[str]:
+        style = words[3]
+        if style == "wall/gran":
+            yield from self._wall(words)
+        elif style in ("property/global", "check/timestep/gran"):
+            return
+        elif style == "nve/sphere" and self.target == "liggghts":
+            yield " ".join(words[:4])
+        elif style == "nve/sphere" and self.setup.dimension == 2:
+            yield f"{' '.join(words[:4])} disc"
+        else:
+            yield " ".join(words)
+
+    def _wall(self, words: tuple[str, ...]) -> Iterator[str]:
+        index = [wall.name for wall in self.scene.walls].index(words[1])
+        wall = self.scene.walls[index]
+        head = " ".join(("fix", words[1], words[2], "wall/gran"))
+        if any(wall.velocity):
+            message = f"fix {words[1]}: a moving wall is not converted"
+            raise InputError(message, self.place)
+        if self.target == "lammps":
+            yield f"{head} {laws.lammps_wall(wall, self.scene.particles, self.place)}"
+            return
+        for k, text in enumerate(laws.liggghts_walls(wall, laws.liggghts_style(wall.law, self.place), self.wall_types[index])):
+            yield f"{head} {text}" if k == 0 else f"fix {words[1]}_{k} {words[2]} wall/gran {text}"
+
+    def _compute(self, words: tuple[str, ...]) -> Iterator[str]:
+        yield " ".join((*words[:3], "erotate/sphere" if self.target == "lammps" and words[3] == "erotate" else words[3], *words[4:]))
+
+    def _thermo_style(self, words: tuple[str, ...]) -> Iterator[str]:
+        if words[1] == "custom":
+            yield " ".join(words)
+            if "norm" not in self.setup.thermo.modify:
+                yield f"thermo_modify norm {'yes' if self.setup.units == 'lj' else 'no'}"
+
+    def _thermo_modify(self, words: tuple[str, ...]) -> Iterator[str]:
+        kept = [(key, value) for key, value in zip(words[1:], words[2:], strict=False) if key in ("norm", "lost")]
+        if kept:
+            yield "thermo_modify " + " ".join(f"{key} {value}" for key, value in kept)
+
+    def _dump_modify(self, words: tuple[str, ...]) -> Iterator[str]:
+        kept = [(key, value) for key, value in zip(words[2:], words[3:], strict=False) if key in ("sort", "every", "first", "pad")]
+        if kept:
+            yield f"dump_modify {words[1]} " + " ".join(f"{key} {value}" for key, value in kept)
+
+    def _neighbor(self, words: tuple[str, ...]) -> Iterator[str]:
+        yield " ".join(words)
+        if self.setup.neighbor.delay is None:  # the dialects differ in the default
+            yield f"neigh_modify delay {0 if self.plan.dialect == 'lammps' else 10}"
+
+
+COMMANDS: dict[str, Callable[[_Translator, tuple[str, ...]], Iterator[str]]] = {
+    "atom_style": _Translator._atom_style,
+    "pair_style": _Translator._pair_style,
+    "fix": _Translator._fix,
+    "compute": _Translator._compute,
+    "thermo_style": _Translator._thermo_style,
+    "dump_modify": _Translator._dump_modify,
+    "neighbor": _Translator._neighbor,
+}
+
+
+def _draws(executed: Executed) -> bool:
+    """Whether a command draws random numbers, which every engine draws in its own way."""
+    words = executed.words
+    return (
+        (words[0] == "create_atoms" and "random" in words[1:4])
+        or (words[0] == "velocity" and "create" in words[2:3])
+        or (words[0] == "displace_atoms" and "random" in words[2:3])
+        or (words[0] == "set" and any(word.endswith(("fraction", "random")) for word in words))
+    )

@@ -1,0 +1,190 @@
+"""Contact laws from one dialect to the other: from the ContactLaw both mean to the words that say it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from math import exp, pi, sqrt
+from typing import NamedTuple
+
+import numpy as np
+from demsolver.scene import ContactLaw, Cylinder, Particles, Slab, Wall
+
+from demverify.errors import InputError, Place
+
+FRICTION = {"none": "off", "no_history": "no_history", "classic_history": "history", "rotated_history": "history", "liggghts_history": "history"}
+PLAIN = {("hooke", "mass_velocity"): "hooke/stiffness", ("hooke", "velocity"): "hooke/stiffness", ("hertz", "viscoelastic"): "hertz/stiffness"}
+
+
+class Table(NamedTuple):
+    """A LIGGGHTS property per pair of types."""
+
+    name: str
+    values: np.ndarray  # type: ignore[type-arg]
+
+
+def liggghts_style(law: ContactLaw, place: Place | None) -> str:
+    """`model ... tangential ... switches` of a LAMMPS law. Raises InputError for a law LIGGGHTS does not have."""
+    model = PLAIN.get((law.normal, law.damping))
+    if model is None:
+        message = (
+            f"LIGGGHTS has no law like normal {law.normal} with damping {law.damping}: its stiffness models damp with the mass (mass_velocity), "
+            "absolutely (velocity) or viscoelastically; write the LIGGGHTS deck by hand"
+        )
+        raise InputError(message, place)
+    switches = ["absolute_damping on"] * (law.damping == "velocity") + ["limitForce on"] * law.limit_damping
+    return " ".join(["model", model, "tangential", FRICTION[law.friction], *switches])
+
+
+def liggghts_tables(law: ContactLaw) -> list[Table]:
+    """The properties that `liggghts_style` needs, on the shape of the law's own coefficients: (t, t) or (t,)."""
+    c, suffix = law.coefficients, "_abs" if law.damping == "velocity" else ""
+    zero = 0.0 * c["kn"]
+    tangential = {"mass": "gammat", "mass_radius": "gammat", "absolute": "gammat"}.get(law.tangential_damping)
+    gammat = c[tangential] if tangential else c["xt"] * c["gamman"] if law.tangential_damping == "scaled" else zero
+    tables = [
+        Table("kn", c["kn"]),
+        Table("kt", c.get("shear_stiffness", 2.0 / 7.0 * c["kn"])),
+        Table(f"gamman{suffix}", c["gamman"]),
+        Table(f"gammat{suffix}", gammat),
+    ]
+    return tables + [Table("coefficientFriction", c.get("mu", zero))] * (law.friction != "none")
+
+
+def with_wall_types(pair: list[Table], walls: list[list[Table]], ntypes: int, place: Place | None) -> tuple[list[Table], list[int]]:
+    """Pair tables widened by one type for each wall that differs from every column of the pair's, and the type of each wall.
+
+    In LIGGGHTS a wall is a type, and its law that of the pair (particle type, wall type).
+    """
+    values = {table.name: table.values for table in pair}
+    types: list[int] = []
+    for wall in walls:
+        if {t.name for t in wall} - values.keys():
+            values |= {t.name: np.zeros((len(next(iter(values.values()), np.zeros(ntypes))),) * 2) for t in wall if t.name not in values}
+        width = len(next(iter(values.values())))
+        same = [k for k in range(width) if all(np.array_equal(values[t.name][:ntypes, k], t.values) for t in wall)]
+        if not same:
+            values = {name: _widened(v, next((t.values for t in wall if t.name == name), None)) for name, v in values.items()}
+        types.append(same[0] + 1 if same else width + 1)
+    return [Table(name, v) for name, v in values.items()], types
+
+
+def _widened(table: np.ndarray, column: np.ndarray | None) -> np.ndarray:  # type: ignore[type-arg]
+    wide = np.pad(table, (0, 1), mode="edge")
+    if column is not None:
+        wide[: len(column), -1] = wide[-1, : len(column)] = column
+    return wide
+
+
+def property_lines(tables: list[Table]) -> Iterator[str]:
+    """`fix ... property/global` lines."""
+    for table in tables:
+        numbers = " ".join(f"{value:.17g}" for value in table.values.ravel())
+        yield f"fix property_{table.name} all property/global {table.name} peratomtypepair {len(table.values)} {numbers}"
+
+
+def liggghts_walls(wall: Wall, style: str, kind: int) -> Iterator[str]:
+    """One `fix wall/gran` a plane."""
+    axis = "xyz"[wall.shape.axis]
+    if isinstance(wall.shape, Cylinder):
+        yield f"{style.replace('tangential', 'tangential', 1)} primitive type {kind} {axis}cylinder {wall.shape.radius:.17g} 0 0"
+        return
+    for place in (wall.shape.lo, wall.shape.hi):
+        if np.isfinite(place):
+            yield f"{style} primitive type {kind} {axis}plane {place:.17g}"
+
+
+def lammps_pair_coeffs(law: ContactLaw, particles: Particles, ntypes: int, place: Place | None) -> Iterator[str]:
+    """`pair_coeff i j ...` lines of `pair_style granular` for a LIGGGHTS law. Raises InputError for a law LAMMPS does not have."""
+    for i in range(ntypes):
+        for j in range(i, ntypes):
+            one = {name: float(table[i, j]) for name, table in law.coefficients.items()}
+            yield f"pair_coeff {i + 1} {j + 1} {lammps_law(law, one, _sizes(particles, (i + 1, j + 1)), place)}"
+
+
+def lammps_wall(wall: Wall, particles: Particles, place: Place | None) -> str:
+    """`granular ... SHAPE` of a LIGGGHTS wall, whose law must be one for all types that meet it."""
+    first = {name: float(column[0]) for name, column in wall.law.coefficients.items()}
+    if any(len(set(column.tolist())) > 1 for column in wall.law.coefficients.values()):
+        message = f"wall {wall.name} has another law for each particle type, which LAMMPS' wall/gran cannot say; write the LAMMPS deck by hand"
+        raise InputError(message, place)
+    words = lammps_law(wall.law, first, _sizes(particles, ()), place)
+    axis = "xyz"[wall.shape.axis]
+    if isinstance(wall.shape, Slab):
+        return f"granular {words} {axis}plane {wall.shape.lo:.17g} NULL"
+    if wall.shape.axis != 2 or wall.shape.center != (0.0, 0.0):
+        message = f"wall {wall.name}: LAMMPS' wall/gran has cylinders about the z axis only"
+        raise InputError(message, place)
+    return f"granular {words} zcylinder {wall.shape.radius:.17g}"
+
+
+def lammps_law(law: ContactLaw, c: dict[str, float], sizes: tuple[float, float] | None, place: Place | None) -> str:
+    """`NORMAL numbers tangential ... damping ...` of pair granular. sizes: (reff, meff) where all contacts share them."""
+    form = NORMALS.get((law.normal, law.damping))
+    if form is None:
+        message = f"LAMMPS has no law like LIGGGHTS' {law.normal} with damping {law.damping}; write the LAMMPS deck by hand"
+        raise InputError(message, place)
+    normal, kt, xt = form(law, c, sizes, place)
+    xt = 0.0 if law.tangential_damping == "none" else xt
+    kind = {"off": "linear_nohistory", "no_history": "linear_nohistory"}.get(
+        FRICTION[law.friction], "mindlin" if law.tangential_stiffness == "mindlin" else "linear_history"
+    )
+    numbers = [xt, c.get("mu", 0.0)] if kind == "linear_nohistory" else [kt, xt, c["mu"]]
+    limit = " limit_damping" if law.limit_damping else ""
+    return f"{normal[0]} tangential {kind} {' '.join(f'{n:.17g}' for n in numbers)} damping {normal[1]}{limit}"
+
+
+Form = tuple[tuple[str, str], float, float]
+
+
+def _springs(name: str, damping: str) -> Callable[..., Form]:
+    def form(law: ContactLaw, c: dict[str, float], sizes: object, place: Place | None) -> Form:
+        if c["gamman"] == 0.0 and c.get("gammat", 0.0) > 0.0 and law.tangential_damping != "none":
+            message = "tangential damping without normal damping: LAMMPS' granular scales the one by the other"
+            raise InputError(message, place)
+        xt = c["gammat"] / c["gamman"] if c["gamman"] else 0.0
+        return (f"{name} {c['kn']:.17g} {c['gamman']:.17g}", damping), c.get("shear_stiffness", 0.0), xt
+
+    return form
+
+
+def _material(law: ContactLaw, c: dict[str, float], sizes: object, place: Place | None) -> Form:
+    b = c["damping_fraction"] / sqrt(5.0)
+    restitution = exp(-pi * b / sqrt(1.0 - b * b))
+    xt = sqrt(c["shear_stiffness"] / (1.5 * c["kn"])) if "shear_stiffness" in c else 0.0
+    return (f"hertz {c['kn']:.17g} {restitution:.17g}", "coeff_restitution"), c.get("shear_stiffness", 0.0), xt
+
+
+def _impact(law: ContactLaw, c: dict[str, float], sizes: tuple[float, float] | None, place: Place | None) -> Form:
+    """LIGGGHTS' hooke is a spring of its own for every pair of sizes; with one size it is one spring and one dashpot."""
+    if sizes is None:
+        message = "LIGGGHTS' model hooke has another stiffness for each pair of sizes, which LAMMPS has not; write the LAMMPS deck by hand"
+        raise InputError(message, place)
+    from demsolver.contact.normal_impact_hooke import force
+
+    reff, meff = sizes
+    kn = force(1.0, reff, meff, c["yeff"], c["characteristic_velocity"])
+    gn = c["damping_fraction"] * sqrt(meff * kn)
+    return (f"hooke {kn:.17g} {gn:.17g}", "velocity"), c["stiffness_ratio"] * kn, c["xt"]
+
+
+NORMALS: dict[tuple[str, str], Callable[..., Form]] = {
+    ("hooke", "mass_velocity"): _springs("hooke", "mass_velocity"),
+    ("hooke", "velocity"): _springs("hooke", "velocity"),
+    ("hertz", "viscoelastic"): _springs("hertz", "viscoelastic"),
+    ("hertz", "fraction"): _material,
+    ("impact_hooke", "fraction"): _impact,
+}
+
+
+def _sizes(p: Particles, types: tuple[int, ...]) -> tuple[float, float] | None:
+    """(reff, meff) if every contact of these two types (none given: of any particle with a wall) has the same, else None."""
+    chosen = [p.type == t for t in types] or [np.ones(len(p.id), dtype=bool)]
+    radii, masses = ([np.unique(values[mask]) for mask in chosen] for values in (p.radius, p.mass))
+    if any(len(values) > 1 for values in [*radii, *masses]):
+        return None
+    if any(len(values) == 0 for values in radii):
+        return 1.0, 1.0  # no such particle: the numbers are never used
+    if not types:
+        return float(radii[0][0]), float(masses[0][0])
+    (r1,), (r2,), (m1,), (m2,) = (v.tolist() for v in (*radii, *masses))
+    return r1 * r2 / (r1 + r2), m1 * m2 / (m1 + m2)

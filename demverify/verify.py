@@ -1,0 +1,253 @@
+"""One deck or case, every engine, one verdict: runs what is to be run, hands the frames to `compare`, writes the report."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from demverify import laws, register
+from demverify.cases import DECKS, Case, load_case
+from demverify.chaos import Envelope, nudge
+from demverify.compare import Check, compare_law, compare_series, explain, not_judged, verdict
+from demverify.deck.convert import convert
+from demverify.deck.setup import Dialect
+from demverify.engines import ENGINES
+from demverify.engines.base import Job, Progress
+from demverify.errors import InputError, Place
+from demverify.frames import Frame
+from demverify.report.content import DifferenceCurve, EnergySeries, EngineInfo, Report, difference_curves
+from demverify.runs import Plan, Run, execute, frame_interval, plan
+
+DIALECTS: tuple[Dialect, ...] = ("lammps", "liggghts")
+Watch = Callable[[str], Progress | None]
+
+
+@dataclass(frozen=True)
+class Settings:
+    """Of a comparison. engines: those asked for, None for all. accept: ids of the register that the user lives with."""
+
+    variables: Mapping[str, list[str]] = field(default_factory=dict)
+    engines: tuple[str, ...] | None = None
+    threads: int = 1
+    ranks: int = 1
+    timeout_s: float = 3600.0
+    accept: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """What came out: the checks, the runs behind them and the report for people."""
+
+    checks: Sequence[Check]
+    runs: Mapping[str, Run]
+    report: Report
+
+
+def find_case(target: Path, out: Path, variables: Mapping[str, Sequence[str]]) -> tuple[Case, tuple[tuple[str, str, str], ...]]:
+    """The case that a folder or a deck means; for a single deck the matching one is written to `out`. Second: the mapped settings.
+
+    Raises InputError when there is no such deck or folder.
+    """
+    if target.is_dir():
+        return load_case(target), ()
+    known = plan(target, variables)
+    other: Dialect = "liggghts" if known.dialect == "lammps" else "lammps"
+    decks: dict[Dialect, Path] = {known.dialect: target}
+    try:
+        out.mkdir(parents=True, exist_ok=True)
+        written = out / DECKS[other]
+        rows = convert(known, other, written).rows
+        decks[other] = written
+    except InputError as error:
+        rows = (("the whole deck", "not converted", error.message),)
+    return Case(title=target.name, decks=decks), rows
+
+
+def compare_case(case: Case, out: Path, settings: Settings, watch: Watch, rows: Sequence[tuple[str, str, str]] = ()) -> Comparison:
+    """Runs a case in every engine and judges it. Raises InputError for a wrong deck, before anything has run."""
+    plans = {dialect: plan(deck, settings.variables) for dialect, deck in case.decks.items()}
+    for known in plans.values():
+        if not known.runs:
+            message = "the deck has no run command, so there is nothing to compare"
+            raise InputError(message, Place(known.deck))
+    _known_entries((*case.accept, *settings.accept))
+    runs: dict[str, Run] = {}
+    envelopes: dict[Dialect, Envelope] = {}
+    for dialect, known in plans.items():
+        runs |= _run_dialect(dialect, known, out, settings, watch, envelopes, label="native" if dialect == min(plans, key=DIALECTS.index) else "")
+    checks = [*_pair_checks(plans, runs, envelopes, (*case.accept, *settings.accept)), *_law_checks(case, runs)]
+    return Comparison(checks, runs, _report(case, plans, runs, checks, envelopes, rows))
+
+
+def _known_entries(accepted: Sequence[str]) -> None:
+    known = [entry.id for entry in register.load()]
+    for name in accepted:
+        if name not in known:
+            message = f"accepted difference {name!r} is not in the register; it has {', '.join(known)}"
+            raise InputError(message)
+
+
+def _run_dialect(
+    dialect: Dialect, known: Plan, out: Path, settings: Settings, watch: Watch, envelopes: dict[Dialect, Envelope], label: str
+) -> Iterator[tuple[str, Run]]:
+    """The native engine twice, once nudged, and the engine whose dialect this is."""
+    every = frame_interval(known.steps, known.particles)
+    job = Job(known.deck, out, dict(settings.variables), every, settings.timeout_s, settings.ranks, settings.threads)
+    found: dict[str, Run] = {}
+    label = label or f"native-{dialect}"
+    if settings.engines is None or "native" in settings.engines:
+        native = execute("native", label, replace(job, folder=out / label), watch(label), keep=True, budget=True)
+        nudged = execute("native", label, replace(job, folder=out / f"{label}-nudged"), watch(f"{label} nudged"), keep=True, budget=True, nudge=nudge)
+        found[label] = native
+        envelopes[dialect] = Envelope.from_frames(native.frames, nudged.frames)
+    if settings.engines is None or dialect in settings.engines:
+        found[dialect] = execute(dialect, dialect, replace(job, folder=out / dialect), watch(dialect), keep=True)
+    return iter(found.items())
+
+
+def _pair_checks(
+    plans: Mapping[Dialect, Plan], runs: Mapping[str, Run], envelopes: Mapping[Dialect, Envelope], accepted: Sequence[str]
+) -> list[Check]:
+    checks: list[Check] = []
+    for dialect, known in plans.items():
+        native = next((run for run in runs.values() if run.outcome.engine == "native" and run.dialect == dialect), None)
+        if native and dialect in runs:
+            checks += _compare(native, runs[dialect], envelopes.get(dialect), known, ())
+    if "lammps" in runs and "liggghts" in runs:
+        checks += _compare(runs["lammps"], runs["liggghts"], envelopes.get("lammps"), plans["lammps"], accepted)
+    if len(runs) == 1:
+        only = next(iter(runs))
+        checks.append(not_judged("all", (only, only), "skipped", "only one engine ran; give a deck that two can run, or install another"))
+    return checks
+
+
+def _compare(a: Run, b: Run, envelope: Envelope | None, known: Plan, accepted: Sequence[str]) -> list[Check]:
+    engines = (a.label, b.label)
+    for run in (a, b):
+        if run.outcome.status != "ok":
+            outcome = "crashed" if run.outcome.status == "crashed" else "skipped"
+            return [not_judged("all", engines, outcome, f"{run.label}: {run.outcome.reason}")]
+    checks = compare_series(a.frames, b.frames, engines, envelope)
+    names = {"native" if label.startswith("native") else label for label in engines}
+    features = register.features_of(known.runs[-1].setup, len(known.runs))
+    entries = register.applying(known.dialect, features, names)
+    checks = explain(checks, entries)
+    lived_with = [entry.id for entry in entries if entry.id in accepted]
+    return [_accepted(check, lived_with) for check in checks] if lived_with else checks
+
+
+def _accepted(check: Check, lived_with: Sequence[str]) -> Check:
+    """A known difference that the user or the case accepts is not judged; the native engine reproduces it in each dialect."""
+    if check.outcome != "fail" or not np.isfinite(check.max_rel) or check.quantity in ("ids", "steps"):
+        return check
+    return replace(check, outcome="skipped", reason=f"known difference, accepted: {', '.join(lived_with)}")
+
+
+def _law_checks(case: Case, runs: Mapping[str, Run]) -> list[Check]:
+    checks = []
+    for law in case.laws:
+        for label, run in runs.items():
+            if run.outcome.status != "ok":
+                checks.append(not_judged(law.name, (label, "closed form"), "skipped", run.outcome.reason))
+                continue
+            place = Place(next(iter(case.decks.values())).parent / "case.toml")
+            for found in laws.measure(law.name, run.frames, law.parameters, place):
+                check = compare_law(found.quantity, label, found.measured, found.expected, law.tolerance, found.step, found.scale)
+                checks.append(check if check.outcome == "pass" else replace(check, reason=f"{law.name}: {law.reason}; {check.reason}"))
+    return checks
+
+
+def engine_info(run: Run) -> EngineInfo:
+    """How an engine fared, for the reports."""
+    o = run.outcome
+    if o.status != "ok":
+        return EngineInfo(o.version, None, None, o.status, o.reason)
+    return EngineInfo(o.version, o.wall_s, o.particle_steps_per_s or None)
+
+
+def missing_engines() -> dict[str, str]:
+    """Engines that are not here, and how to get them."""
+    found = {name: engine.find() for name, engine in ENGINES.items()}
+    return {name: str(what) for name, what in found.items() if not hasattr(what, "version")}
+
+
+def _report(
+    case: Case,
+    plans: Mapping[Dialect, Plan],
+    runs: Mapping[str, Run],
+    checks: Sequence[Check],
+    envelopes: Mapping[Dialect, Envelope],
+    rows: Sequence[tuple[str, str, str]],
+) -> Report:
+    first = next(iter(plans.values()))
+    features = register.features_of(first.runs[-1].setup, len(first.runs))
+    names = {"native" if label.startswith("native") else label for label in runs} | {"law"} * bool(case.laws)
+    return Report(
+        title=case.title,
+        verdict=verdict(checks),
+        checks=checks,
+        engines={label: engine_info(run) for label, run in runs.items()},
+        series={label: _energies(run, plans[run.dialect]) for label, run in runs.items() if run.frames},
+        differences=difference_curves(checks),
+        envelope=[curve for dialect, envelope in envelopes.items() for curve in _envelope_curves(dialect, envelope, runs)],
+        settings=_settings(plans, rows),
+        entries=register.applying(first.dialect, features, names),
+        command=f"demverify compare {first.deck.parent if len(case.decks) > 1 and not rows else first.deck}",
+    )
+
+
+def _envelope_curves(dialect: Dialect, envelope: Envelope, runs: Mapping[str, Run]) -> Iterator[DifferenceCurve]:
+    label = next(label for label, run in runs.items() if run.outcome.engine == "native" and run.dialect == dialect)
+    for quantity, values in envelope.relative.items():
+        yield DifferenceCurve((label, f"{label} one ulp away"), quantity, envelope.steps.astype(float), np.asarray(values))
+
+
+def _energies(run: Run, known: Plan) -> EnergySeries:
+    from demsolver.computes import erotate_sphere, ke
+
+    def of(frame: Frame) -> tuple[float, float]:
+        mass, radius = frame.columns["mass"], frame.columns["radius"]
+        omega = frame.vectors("omegax", "omegay", "omegaz")
+        return ke(mass, frame.vectors("vx", "vy", "vz")), erotate_sphere(mass, radius, omega)
+
+    steps = np.array([frame.step for frame in run.frames], dtype=float)
+    energies = np.array([of(frame) for frame in run.frames])
+    values: dict[str, Any] = {"ke": energies[:, 0], "erotate": energies[:, 1]}
+    if len(run.budgets) == len(run.frames):
+        names = ("elastic_normal", "elastic_tangential", "gravitational", "damped", "rubbed", "dragged", "total")
+        budget = {name: np.array([getattr(b, name) for _, _, b in run.budgets]) for name in names}
+        values |= {name.replace("_", " "): series for name, series in budget.items() if np.abs(series).max() > 0.0}
+    return EnergySeries(steps, steps * known.setup.dt, values)
+
+
+def _settings(plans: Mapping[Dialect, Plan], rows: Sequence[tuple[str, str, str]]) -> list[tuple[str, str, str, str]]:
+    """Rows (setting, LAMMPS words, LIGGGHTS words, meaning in the scene)."""
+    if rows:
+        source = next(iter(plans))
+        return [("", *((theirs, ours) if source == "lammps" else (ours, theirs)), meaning) for theirs, ours, meaning in rows]
+    found: dict[str, dict[str, str]] = {}
+    for dialect, known in plans.items():
+        for executed in known.interpreter.executed:
+            name = executed.words[0]
+            key = f"{name} {executed.words[3]}" if name in ("fix", "compute") and len(executed.words) > 3 else name
+            if key.split()[0] in ("pair_style", "fix", "compute", "units", "timestep", "neighbor", "neigh_modify", "boundary"):
+                line = found.setdefault(key, {})
+                line[dialect] = "; ".join(filter(None, [line.get(dialect, ""), executed.text.strip()]))
+    scene = next(iter(plans.values())).runs[-1].scene
+    return [(key, words.get("lammps", ""), words.get("liggghts", ""), _meaning(key, scene)) for key, words in found.items()]
+
+
+def _meaning(key: str, scene: Any) -> str:
+    """What a setting has become in the scene, where one sentence says it."""
+    if key == "pair_style" and scene.pair:
+        law = scene.pair
+        return f"normal {law.normal}, damping {law.damping}, friction {law.friction}"
+    if key == "timestep":
+        return f"{scene.timestep:g}"
+    if key.endswith("gravity"):
+        return ", ".join(str(tuple(round(c, 6) for c in f.acceleration)) for f in scene.forces if hasattr(f, "acceleration"))
+    return ""
