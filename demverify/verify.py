@@ -185,7 +185,7 @@ def _report(
 ) -> Report:
     first = next(iter(plans.values()))
     features = register.features_of(first.runs[-1].setup, len(first.runs))
-    names = {"native" if label.startswith("native") else label for label in runs} | {"law"} * bool(case.laws)
+    names = {"native" if label.startswith("native") else label for label in runs} | ({"law"} if case.laws else set())
     return Report(
         title=case.title,
         verdict=verdict(checks),

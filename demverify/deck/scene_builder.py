@@ -10,7 +10,7 @@ import numpy as np
 from demsolver.scene import Neighbor, Particles, Scene
 from demverify.deck.forces import FORCES, nve_sphere
 from demverify.deck.setup import Atoms, NeighborSpec, Setup
-from demverify.errors import InputError
+from demverify.errors import InputError, Place
 
 _SKIN = {"lj": 0.3, "si": 0.001, "cgs": 0.1, "micro": 0.1}
 _DELAY = {"lammps": 0, "liggghts": 10}
@@ -21,8 +21,8 @@ def scene_of(setup: Setup) -> Scene:
 
     Raises InputError when there is no box, a particle without mass or two at one place, and for a wrong contact law."""
     if setup.box is None or setup.atoms is None:
-        raise InputError("the deck made no simulation box: create_box or read_data is missing", setup.pair_place)
-    _check_particles(setup.atoms, setup)
+        raise InputError("the deck made no simulation box: create_box or read_data is missing")
+    check_particles(setup.atoms)
     law: Any = import_module(f"demverify.deck.materials_{setup.dialect}")
     fixes = setup.fixes.values()
     return Scene(
@@ -58,8 +58,8 @@ def _neighbor(setup: Setup, spec: NeighborSpec) -> Neighbor:
     return Neighbor(skin, spec.every, delay, spec.check, tuple(bits), tuple(types))
 
 
-def _check_particles(atoms: Atoms, setup: Setup) -> None:
-    place = setup.pair_place
+def check_particles(atoms: Atoms, place: Place | None = None) -> None:
+    """Raises InputError naming a particle that is not finite, has no mass, or shares its place with another."""
     for name in ("x", "v", "omega", "radius"):
         bad = ~np.isfinite(getattr(atoms, name))
         if bad.any():
@@ -69,13 +69,13 @@ def _check_particles(atoms: Atoms, setup: Setup) -> None:
     if massless.any():
         row = int(np.argmax(massless))
         raise InputError(f"particle {atoms.id[row]} has no mass: give it a density or a mass with `set`", place)
-    _check_apart(atoms, setup)
+    _check_apart(atoms, place)
 
 
-def _check_apart(atoms: Atoms, setup: Setup) -> None:
+def _check_apart(atoms: Atoms, place: Place | None) -> None:
     order = np.lexsort(atoms.x.T)
     x = atoms.x[order]
     same = np.flatnonzero((x[1:] == x[:-1]).all(axis=1))
     if len(same):
         first, second = sorted(atoms.id[order[same[0] : same[0] + 2]].tolist())
-        raise InputError(f"particles {first} and {second} are at one place, {x[same[0]].tolist()}", setup.pair_place)
+        raise InputError(f"particles {first} and {second} are at one place, {x[same[0]].tolist()}", place)

@@ -1,4 +1,4 @@
-"""What the commands of a deck have built so far. Commands fill it in; `run` hands it to an engine; `scene()` freezes it for the solver."""
+"""What the commands of a deck have built so far. Commands fill it in; `run` hands it to an engine; `scene_of` freezes it."""
 
 from __future__ import annotations
 
@@ -35,6 +35,7 @@ class Atoms:
 
     @property
     def n(self) -> int:
+        """Number of particles."""
         return len(self.id)
 
 
@@ -68,6 +69,8 @@ class DumpSpec:
 
 @dataclass
 class ThermoSpec:
+    """thermo, thermo_style and thermo_modify as the deck wrote them."""
+
     every: int = 0
     style: str = "one"
     columns: tuple[str, ...] = ()  # filled for style custom
@@ -76,6 +79,8 @@ class ThermoSpec:
 
 @dataclass
 class NeighborSpec:
+    """neighbor and neigh_modify as the deck wrote them."""
+
     skin: float | None = None  # None: the default of the units
     every: int = 1
     delay: int | None = None  # None: the default of the dialect (LAMMPS 2025: 0, LIGGGHTS: 10)

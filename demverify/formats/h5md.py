@@ -227,7 +227,7 @@ def _opened(path: Path) -> h5py.File:
         return h5py.File(path, "r")
     except OSError as error:
         why = str(error).splitlines()[0]
-        if "already open" in why or "lock" in why:  # a writer was killed, or is still at it
+        if "already open" in why or "unable to lock" in why:  # a writer was killed, or is still at it
             return h5py.File(path, "r", libver="latest", swmr=True)
         message = f"not an HDF5 file, or damaged: {why}"
         raise InputError(message, Place(path)) from None

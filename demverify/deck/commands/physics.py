@@ -37,7 +37,10 @@ def fix(deck: Interpreter, cmd: Command) -> None:
 @command("unfix")
 def unfix(deck: Interpreter, cmd: Command) -> None:
     """unfix ID"""
-    remove(deck.setup.fixes, cmd, "fix")
+    if any(line.words[:2] == ("fix", *cmd.args) for line in deck.ignored):
+        deck.ignore(cmd)
+    else:
+        remove(deck.setup.fixes, cmd, "fix")
 
 
 @command("compute")

@@ -6,6 +6,8 @@ from demverify.deck.command import Command, command
 from demverify.deck.commands.group import known_group
 from demverify.deck.commands.space import need_box
 from demverify.deck.interpreter import Interpreter
+from demverify.deck.scene_builder import check_particles
+from demverify.errors import InputError
 
 _SPEED = ("page", "one", "binsize", "cluster")
 
@@ -49,7 +51,12 @@ def run(deck: Interpreter, cmd: Command) -> None:
             cmd.yes("post")
         elif keyword in ("start", "stop"):
             cmd.integer(keyword, 0)  # for ramped fixes, of which there are none here
-    deck.backend.run(deck.setup, steps)
+    if deck.setup.atoms:
+        check_particles(deck.setup.atoms, cmd.place)
+    try:
+        deck.backend.run(deck.setup, steps)
+    except InputError as error:
+        raise error if error.place else InputError(error.message, cmd.place) from None
 
 
 @command("neighbor")

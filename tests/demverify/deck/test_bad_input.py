@@ -201,11 +201,11 @@ def test_an_empty_box_and_a_box_without_types(run_deck: Run) -> None:
     ],
 )
 def test_a_run_refuses_particles_that_cannot_be(commands: str, message: str, run_deck: Run) -> None:
-    """Two particles at one place and positions that overflowed are found when the scene is built."""
-    backend = run_deck(GRAINS + commands + "run 1\n").backend
-    assert isinstance(backend, DryBackend)
-    with pytest.raises(InputError, match=message):
-        _ = backend.runs[0].scene
+    """Two particles at one place and positions that overflowed are found by the run that would need them."""
+    with pytest.raises(InputError, match=message) as caught:
+        run_deck(GRAINS + commands + "run 1\n")
+    assert caught.value.place is not None
+    assert caught.value.place.line == 7 + commands.count("\n")
 
 
 def test_a_particle_without_mass_is_named(run_deck: Run) -> None:
@@ -220,6 +220,7 @@ def test_a_particle_without_mass_is_named(run_deck: Run) -> None:
             _ = backend.runs[0].scene
 
 
+@pytest.mark.lammps
 def test_lammps_words_reach_the_user_when_it_refuses(run_deck: Run) -> None:
     """A random command is checked by LAMMPS; its complaint comes back in one line with the deck's place."""
     with pytest.raises(InputError) as caught:

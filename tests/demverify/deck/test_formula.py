@@ -111,7 +111,7 @@ def test_a_refusal_names_the_fault(formula: str, fault: str) -> None:
 
 
 def test_names_reach_their_source() -> None:
-    """Variables, thermo keywords, computes with an index, group functions and particle columns are asked for under those names."""
+    """Variables, thermo keywords, computes with an index, group functions and particle columns are asked for by name."""
     asked: list[str] = []
 
     def live(keyword: str) -> float:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from pathlib import Path
 
@@ -70,8 +71,11 @@ def test_executed_holds_the_unrolled_deck(run_deck: Run) -> None:
 
 def test_ignored_lists_what_cannot_change_the_physics(run_deck: Run) -> None:
     """Such commands are accepted and reported, not silently dropped."""
-    deck = run_deck(BOX + "echo both\nprocessors 1 1 *\ncomm_modify vel yes\nrestart 100 a b\nneigh_modify one 5000\n")
-    assert [line.words[0] for line in deck.ignored] == ["echo", "processors", "comm_modify", "restart", "neigh_modify"]
+    deck = run_deck(
+        BOX + "echo both\nprocessors 1 1 *\ncomm_modify vel yes\nneigh_modify one 5000\nfix a all ave/time 1 1 1 c_1\nunfix a\n"
+    )
+    assert [line.words[0] for line in deck.ignored] == ["echo", "processors", "comm_modify", "neigh_modify", "fix", "unfix"]
+    assert not deck.setup.fixes
 
 
 def test_runs_are_recorded_with_copies(run_deck: Run) -> None:
@@ -142,7 +146,7 @@ def test_includes_that_never_end_are_refused(run_deck: Run) -> None:
 
 
 def test_the_benchmark_decks_are_read(tmp_path: Path) -> None:
-    """Both decks of LAMMPS' chute benchmark, where the data is at hand: 32,000 grains of mass pi/6, 912 of them frozen below."""
+    """Both decks of LAMMPS' chute benchmark, where the data is at hand: 32,000 grains of diameter 1 and density 1."""
     bench = Path("/work/shared/data/lammps-bench")
     if not bench.is_dir():
         pytest.skip("no shared data here")
@@ -157,6 +161,7 @@ def test_the_benchmark_decks_are_read(tmp_path: Path) -> None:
         setup = deck.run_deck(path)
         assert setup.atoms is not None
         assert setup.atoms.n == 32000
+        assert setup.atoms.mass == pytest.approx(math.pi / 6, rel=1e-15)
         assert isinstance(deck.backend, DryBackend)
         assert deck.backend.runs[0].steps == 100
         assert deck.backend.runs[0].scene.neighbor.exclude == ((1, 1),)

@@ -21,8 +21,8 @@ def test_forces_keep_the_order_of_their_fixes(run_deck: Run) -> None:
     """Forces act in the order of the deck; a removed fix leaves no trace and a repeated ID keeps its place."""
     deck = run_deck(
         GRAINS
-        + "fix a all viscous 2 scale 2 1.5\nfix g all gravity 10 vector 0 0 -2\nfix s two setforce 0 NULL 1\nfix x all freeze\nfix z two freeze\n"
-        + "unfix x\nfix g two gravity 5 vector 0 0 -2\nfix n all nve/sphere\n"
+        + "fix a all viscous 2 scale 2 1.5\nfix g all gravity 10 vector 0 0 -2\nfix s two setforce 0 NULL 1\n"
+        + "fix x all freeze\nfix z two freeze\nunfix x\nfix g two gravity 5 vector 0 0 -2\nfix n all nve/sphere\n"
     )
     viscous, gravity, setforce, freeze = scene_of(deck.setup).forces
     assert isinstance(viscous, Viscous)
@@ -96,8 +96,10 @@ def test_output_settings_are_recorded(run_deck: Run) -> None:
     """dump, dump_modify and thermo as the deck wrote them, at the time of each run."""
     deck = run_deck(
         GRAINS
-        + "dump d two custom 50 dump.* id x fx\ndump_modify d sort id format float %20.15g format 2 %.3f first yes pad 6 every 20\n"
-        + "thermo 10\nthermo_style custom step ke v_q\nthermo_modify norm no format line '%d %g %g'\nrun 5\nundump d\ndump a all atom 10 f\nrun 5\n"
+        + "dump d two custom 50 dump.* id x fx\n"
+        + "dump_modify d sort id format float %20.15g format 2 %.3f first yes pad 6 every 20\n"
+        + "thermo 10\nthermo_style custom step ke v_q\nthermo_modify norm no format line '%d %g %g'\nrun 5\n"
+        + "undump d\ndump a all atom 10 f\nrun 5\n"
     )
     backend = deck.backend
     assert isinstance(backend, DryBackend)
@@ -122,14 +124,12 @@ def test_liggghts_keeps_the_density_when_the_diameter_changes(run_deck: Run) -> 
 
 @pytest.mark.parametrize(("dialect", "x"), [("lammps", 0.125), ("liggghts", 0.25)])
 def test_default_units_of_lengths(dialect: str, x: float, run_deck: Run) -> None:
-    """With a lattice defined and no `units`, lengths are lattice spacings in LAMMPS and plain lengths in LIGGGHTS (both measured)."""
-    deck = run_deck(
-        BOX + "lattice sc 0.5\ncreate_atoms 1 single 0.25 0.5 0.5\nregion r block 0 0.2 INF INF INF INF\ngroup g region r\n",
-        dialect,
-    )
+    """Without `units` lengths are lattice spacings in LAMMPS and plain lengths in LIGGGHTS (both measured)."""
+    text = "lattice sc 0.5\ncreate_atoms 1 single 0.25 0.5 0.5\n"
+    deck = run_deck(BOX + text + "region r block 0.2 0.26 INF INF INF INF\ngroup g region r\n", dialect)
     assert deck.setup.atoms is not None
     assert deck.setup.atoms.x[0, 0] == x
-    assert deck.setup.atoms.mask[0] == 1
+    assert deck.setup.atoms.mask[0] == 3  # the region is scaled as the particle is
 
 
 @pytest.mark.lammps
