@@ -2,7 +2,8 @@
 
     title = "..."                            what = "one or two sentences for the report"
     accept = ["entry-id", ...]               known differences between the engines (register) that the case lives with
-    [[law]]  name = "slip_cessation"  tolerance = 1e-3  reason = "why this tolerance"  engines = [...]  parameters = {...}
+    every = N                                steps between the frames that are compared; by default some 200 frames
+    [[law]]  name = "slip_cessation"  tolerance = 1e-3  reason = "why this tolerance"  parameters = {...}
 """
 
 from __future__ import annotations
@@ -39,6 +40,7 @@ class Case:
     what: str = ""
     accept: tuple[str, ...] = ()
     laws: tuple[Law, ...] = ()
+    every: int | None = None
 
 
 def load_case(folder: Path) -> Case:
@@ -49,13 +51,14 @@ def load_case(folder: Path) -> Case:
         raise InputError(message, Place(folder))
     file = folder / "case.toml"
     table = _table(file) if file.is_file() else {}
-    _known(table, {"title", "what", "source", "accept", "law"}, "key", file)
+    _known(table, {"title", "what", "accept", "every", "law"}, "key", file)
     return Case(
         title=str(table.get("title", folder.resolve().name)),
         decks=decks,
         what=str(table.get("what", "")),
         accept=tuple(table.get("accept", ())),
         laws=tuple(_law(entry, file) for entry in table.get("law", ())),
+        every=_every(table, file),
     )
 
 
@@ -65,6 +68,14 @@ def _table(file: Path) -> dict[str, Any]:
     except (tomllib.TOMLDecodeError, UnicodeDecodeError, OSError) as error:
         message = f"not a readable case.toml: {error}"
         raise InputError(message, Place(file)) from None
+
+
+def _every(table: Mapping[str, Any], file: Path) -> int | None:
+    every = table.get("every")
+    if every is not None and (not isinstance(every, int) or every < 1):
+        message = f"every must be a whole number of steps from 1, got {every!r}"
+        raise InputError(message, Place(file))
+    return every
 
 
 def _law(entry: Mapping[str, Any], file: Path) -> Law:

@@ -21,7 +21,7 @@ from demverify.frames import Frame, Thermo
 if TYPE_CHECKING:
     from demsolver import EnergyBudget
 
-MOST_FRAMES, MOST_ROWS = 1000, 500_000  # kept in memory by one comparison
+MOST_FRAMES, MOST_ROWS = 200, 500_000  # kept in memory by one comparison
 LEAST_FRAMES = 10
 
 
@@ -80,7 +80,7 @@ def plan(deck: Path, variables: Mapping[str, Sequence[str]]) -> Plan:
 
 
 def frame_interval(steps: int, particles: int) -> int:
-    """Steps between frames of a comparison: at most 1000 frames and 500,000 rows, at least 10 frames, and frames within tier 2."""
+    """Steps between frames of a comparison: at most 200 frames and 500,000 rows, at least 10 frames."""
     frames = min(MOST_FRAMES, max(LEAST_FRAMES, MOST_ROWS // max(1, particles)))
     return max(1, -(-steps // frames))
 

@@ -78,7 +78,7 @@ def compare_case(case: Case, out: Path, settings: Settings, watch: Watch, rows: 
     runs: dict[str, Run] = {}
     envelopes: dict[Dialect, Envelope] = {}
     for dialect, known in plans.items():
-        runs |= _run_dialect(dialect, known, out, settings, watch, envelopes, label="native" if dialect == min(plans, key=DIALECTS.index) else "")
+        runs |= _run_dialect(known, _label(dialect, plans), case.every, out, settings, watch, envelopes)
     checks = [*_pair_checks(plans, runs, envelopes, (*case.accept, *settings.accept)), *_law_checks(case, runs)]
     return Comparison(checks, runs, _report(case, plans, runs, checks, envelopes, rows))
 
@@ -91,14 +91,19 @@ def _known_entries(accepted: Sequence[str]) -> None:
             raise InputError(message)
 
 
+def _label(dialect: Dialect, plans: Mapping[Dialect, Plan]) -> str:
+    """native, and native-liggghts where both dialects are run."""
+    return "native" if dialect == min(plans, key=DIALECTS.index) else f"native-{dialect}"
+
+
 def _run_dialect(
-    dialect: Dialect, known: Plan, out: Path, settings: Settings, watch: Watch, envelopes: dict[Dialect, Envelope], label: str
-) -> Iterator[tuple[str, Run]]:
+    known: Plan, label: str, every: int | None, out: Path, settings: Settings, watch: Watch, envelopes: dict[Dialect, Envelope]
+) -> dict[str, Run]:
     """The native engine twice, once nudged, and the engine whose dialect this is."""
-    every = frame_interval(known.steps, known.particles)
+    dialect = known.dialect
+    every = every or frame_interval(known.steps, known.particles)
     job = Job(known.deck, out, dict(settings.variables), every, settings.timeout_s, settings.ranks, settings.threads)
     found: dict[str, Run] = {}
-    label = label or f"native-{dialect}"
     if settings.engines is None or "native" in settings.engines:
         native = execute("native", label, replace(job, folder=out / label), watch(label), keep=True, budget=True)
         nudged = execute("native", label, replace(job, folder=out / f"{label}-nudged"), watch(f"{label} nudged"), keep=True, budget=True, nudge=nudge)
@@ -106,7 +111,7 @@ def _run_dialect(
         envelopes[dialect] = Envelope.from_frames(native.frames, nudged.frames)
     if settings.engines is None or dialect in settings.engines:
         found[dialect] = execute(dialect, dialect, replace(job, folder=out / dialect), watch(dialect), keep=True)
-    return iter(found.items())
+    return found
 
 
 def _pair_checks(

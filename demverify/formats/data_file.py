@@ -59,7 +59,7 @@ def handover_density(mass: Floats, space: Floats) -> Floats:
 
 def _check(atoms: Atoms) -> None:
     for name in ("x", "v", "omega", "radius", "mass"):
-        values = np.asarray(getattr(atoms, name)).reshape(atoms.n, -1)
+        values = getattr(atoms, name).reshape(atoms.n, 3 if name in ("x", "v", "omega") else 1)
         good = np.isfinite(values).all(axis=1)
         if name in ("radius", "mass"):
             good &= (values > 0).all(axis=1)

@@ -68,7 +68,8 @@ _DIFFERENCES = """Relative to the largest value so far; the foot of each picture
 itself when it starts one unit in the last place away. The limit, a thin line, rises to ten times that: a difference below
 it is chaos and says nothing."""
 
-_VERDICTS = """Each row gathers the steps of one quantity and shows the one nearest to, or farthest beyond, its limit."""
+_VERDICTS = """Each row gathers the steps of one quantity and shows the one nearest to, or farthest beyond, its limit;
+why is told of the first step."""
 
 
 def _section(title: str, content: str, note: str = "") -> str:

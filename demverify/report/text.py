@@ -18,34 +18,25 @@ if TYPE_CHECKING:
 MARK = {"pass": "[green]pass[/]", "fail": "[red]fail[/]", "skipped": "[yellow]skipped[/]", "crashed": "[red]crashed[/]"}
 
 
+COLUMNS = {"force": "force", "torque": "torque", "position": "motion", "velocity": "motion", "omega": "motion", "ke": "energies", "erotate": "energies"}
+TIERS = {1: "one state", 2: "200 steps", 3: "long run"}
+
+
 def print_comparison(report: Report, page: Path) -> None:
-    """Engines, one row for each pair, tier and quantity, the verdict, and where the report is."""
-    console = Console(highlight=False)
+    """Engines; for each pair and tier the largest difference of each kind; closed forms; the verdict, and where the report is."""
+    console = Console(highlight=False, soft_wrap=True)
     console.print(_engine_table(report.engines))
-    table = Table(
-        "engines",
-        "quantity",
-        "tier",
-        "largest difference",
-        "tolerance",
-        "checks",
-        "outcome",
-        box=None,
-        pad_edge=False,
-        title_justify="left",
-    )
-    for (pair, kind, tier, quantity), checks in _grouped(report.checks).items():
-        worst = _worst(checks)
-        size = f"{worst.max_rel:.1e} at step {worst.step}" if worst.max_rel == worst.max_rel else "-"
-        tolerance = f"{worst.tolerance:.0e}" if worst.tolerance == worst.tolerance else "-"
-        label = "law" if kind == "law" else str(tier)
-        table.add_row(" - ".join(pair), quantity, label, size, tolerance, str(len(checks)), MARK[worst.outcome])
-    console.print(table)
-    for reason in dict.fromkeys(c.reason for c in report.checks if c.outcome in ("fail", "crashed") and c.reason):
+    console.print()
+    console.print(_pair_table([check for check in report.checks if check.kind == "engine"]))
+    laws = [check for check in report.checks if check.kind == "law"]
+    if laws:
+        console.print()
+        console.print(_law_table(laws))
+    console.print()
+    for reason in list(dict.fromkeys(c.reason for c in report.checks if c.outcome in ("fail", "crashed") and c.reason))[:3]:
         console.print(f"  {reason}", markup=False)
-        break
     console.print(f"verdict: {'[green]pass[/]' if report.verdict == 'pass' else '[red]fail[/]'}. {summary(report.checks)}")
-    console.print(f"report: {page}", soft_wrap=True)
+    console.print(f"report: {page}")
 
 
 def print_run(run: Run) -> None:
@@ -79,17 +70,32 @@ def _engine_table(engines: Mapping[str, EngineInfo]) -> Table:
     return table
 
 
-def _grouped(checks: Sequence[Check]) -> dict[tuple[tuple[str, str], str, int, str], list[Check]]:
-    groups: dict[tuple[tuple[str, str], str, int, str], list[Check]] = {}
+def _pair_table(checks: Sequence[Check]) -> Table:
+    heads = list(dict.fromkeys(COLUMNS.values()))
+    table = Table("largest relative difference", "", *heads, "bulk", "outcome", box=None, pad_edge=False)
+    rows: dict[tuple[tuple[str, str], int], list[Check]] = {}
     for check in checks:
-        groups.setdefault((check.engines, check.kind, check.tier, check.quantity), []).append(check)
-    return groups
+        rows.setdefault((check.engines, check.tier), []).append(check)
+    for (pair, tier), found in rows.items():
+        cells = [_cell([c for c in found if COLUMNS.get(c.quantity, "bulk") == head]) for head in (*heads, "bulk")]
+        outcomes = [c.outcome for c in found]
+        table.add_row(" - ".join(pair), TIERS[tier], *cells, ", ".join(f"{outcomes.count(o)} {MARK[o]}" for o in MARK if o in outcomes))
+    return table
 
 
-def _worst(checks: Sequence[Check]) -> Check:
-    """The check that decides a row: a crash, else a failure, else the largest difference that was judged, else what was skipped."""
-    for outcome in ("crashed", "fail", "pass", "skipped"):
-        chosen = [check for check in checks if check.outcome == outcome]
-        if chosen:
-            return max(chosen, key=lambda c: c.max_rel if c.max_rel == c.max_rel else -1.0)
-    raise ValueError("no checks")
+def _cell(checks: Sequence[Check]) -> str:
+    """The largest difference that was judged; in brackets where all of it was skipped."""
+    judged = [c.max_rel for c in checks if c.outcome in ("pass", "fail") and c.max_rel == c.max_rel]
+    if judged:
+        colour = "red" if any(c.outcome == "fail" for c in checks) else "default"
+        return f"[{colour}]{max(judged):.0e}[/]"
+    skipped = [c.max_rel for c in checks if c.max_rel == c.max_rel]
+    return f"({max(skipped):.0e})" if skipped else "-"
+
+
+def _law_table(checks: Sequence[Check]) -> Table:
+    table = Table("against the closed form", "", "relative error", "tolerance", "outcome", box=None, pad_edge=False)
+    for check in checks:
+        error = f"{check.max_rel:.1e}" if check.max_rel == check.max_rel else "-"
+        table.add_row(check.quantity, check.engines[0], error, f"{check.tolerance:.0e}", MARK[check.outcome])
+    return table

@@ -143,7 +143,7 @@ def _cylinder(cylinder: Cylinder, x: Floats) -> Floats:
     axes, d = _across(cylinder, x)
     off = sqrt(float(d @ d))
     away = np.zeros(3)
-    away[axes] = d * (1.0 - cylinder.radius / off) if off > 0.0 else 0.0
+    away[axes] = d * ((off - cylinder.radius) / off) if off > 0.0 else 0.0
     return away
 
 

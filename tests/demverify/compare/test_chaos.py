@@ -181,6 +181,7 @@ def test_particles_that_leave_are_chaos_only_if_the_nudged_run_loses_them_too(na
     whole = Envelope.from_frames(native, native)
     leaky = Envelope.from_frames(native, without(native, 7, 300))
     lost = without(native, 9, 300)
+    assert leaky.at("force", 300) == np.inf
     assert verdict(compare_series(native, lost, PAIR, whole)) == "fail"
     checks = compare_series(native, lost, PAIR, leaky)
     assert {c.outcome for c in checks if c.quantity == "ids"} == {"skipped"}
@@ -207,6 +208,7 @@ def test_nudging_moves_each_coordinate_by_one_unit_in_the_last_place():
     moved = nudge(x)
     steps = (moved - x) / np.spacing(np.abs(np.minimum(np.abs(x), np.abs(moved)))) * np.sign(x)
     assert set(steps[1:].ravel()) == {-1.0, 1.0}
+    assert (moved > x).any() and (moved < x).any() and (moved[x > 0] < x[x > 0]).any()
     assert (moved[0] == 0).all()
     assert (nudge(x) == moved).all()
 

@@ -250,3 +250,13 @@ def test_every_deviation_that_applies_is_named():
     """Two entries are both named, in their order; a check without a reason gets theirs."""
     [check] = explain([made("fail")], [Known("G1", "one"), Known("L2", "two")])
     assert check.reason == "explained by G1: one; explained by L2: two"
+
+
+def test_energies_that_died_down_are_still_judged(make):
+    """A thousandth of the energy is left, and one engine has half as much: fails. Of 1e-15 of it, that is rest: passes."""
+    still, fast = np.zeros((20, 3)), np.tile([1.0, 0.0, 0.0], (20, 1))
+    for speed, expected in ((0.03, "fail"), (3e-8, "pass")):
+        a = [make(step=0, v=fast, w=still), make(step=300, v=speed * fast, w=still)]
+        b = [a[0], make(step=300, v=0.7 * speed * fast, w=still)]
+        [check] = [c for c in compare_series(a, b, PAIR) if c.quantity == "ke"]
+        assert check.outcome == expected

@@ -217,12 +217,8 @@ def test_periodic_images_are_one_place(make):
     x = np.random.default_rng(0).uniform(0.25, 0.5, (20, 3))
     for axis in range(3):
         boundary = tuple("pp" if k == axis else "ff" for k in range(3))
-        for shift, periodic, open_box in (
-            (1.0, "pass", "fail"),
-            (-2.0, "pass", "fail"),
-            (0.5, "fail", "fail"),
-            (1e-9, "fail", "fail"),
-        ):
+        cases = ((1.0, "pass", "fail"), (-2.0, "pass", "fail"), (0.5, "fail", "fail"), (1e-9, "fail", "fail"))
+        for shift, periodic, open_box in (*cases, (1e-16, "pass", "pass"), (-1e-16, "pass", "pass")):
             there = x + shift * np.eye(3)[axis]
             assert (
                 outcome(compare_state(make(x=x, boundary=boundary), make(x=there, boundary=boundary), PAIR), "position")
@@ -252,3 +248,28 @@ def test_diameters_serve_as_radii(make, replaced):
     frame = make()
     other = replaced(frame, radius=None, diameter=2 * frame.columns["radius"])
     assert Scales.of(other) == Scales.of(frame)
+
+
+def test_equal_values_pass_a_tolerance_of_zero(make):
+    """What is equal to the last bit agrees under any limit."""
+    assert verdict(compare_state(make(), make(), PAIR, tolerance=0.0)) == "pass"
+
+
+def test_a_torque_is_measured_against_torques_where_friction_is_at_work(make):
+    """Torques of a twentieth of F R, off by 3e-12 of the largest torque (1.5e-13 F R), fail tier 1."""
+    direction = np.tile([1.0, 0.0, 0.0], (20, 1))
+    force, torque = direction, 0.05e-3 * direction
+    assert outcome(compare_state(make(f=force, t=torque), make(f=force, t=torque * (1 + 3e-12)), PAIR), "torque") == "fail"
+
+
+def test_a_position_is_measured_against_the_radius(make):
+    """Spheres of 1 mm, 0.3 m from the origin: off by 1e-14 m (1e-11 radii) fails, by one unit in the last place passes."""
+    x = np.full((20, 3), 0.3)
+    assert outcome(compare_state(make(x=x), make(x=x + 1e-14), PAIR), "position") == "fail"
+    assert outcome(compare_state(make(x=x), make(x=np.nextafter(x, 1)), PAIR), "position") == "pass"
+
+
+def test_a_coordinate_far_away_is_rounded(make):
+    """1e4 radii from the origin one unit in the last place is 2e-12 radii, and still no difference."""
+    x = np.full((20, 3), 10.0)
+    assert outcome(compare_state(make(x=x), make(x=np.nextafter(x, 11)), PAIR), "position") == "pass"

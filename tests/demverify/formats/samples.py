@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from demverify.deck.setup import DumpSpec
 from demverify.errors import Place
-from demverify.frames import Frame
+from demverify.frames import Floats, Frame
 
 DATA = Path(__file__).parents[2] / "data" / "dumps"
 BOX = np.array([[-0.1, 0.123456789012], [0.0, 0.1], [0.0, 1.0 / 3.0]])
@@ -22,10 +22,10 @@ any_double = st.floats(allow_nan=True, allow_infinity=True, allow_subnormal=True
 def frame(n: int = 3, step: int = 0, names: tuple[str, ...] = NAMES) -> Frame:
     """n particles with irrational numbers; type 1 and 2 in turn; ids from 1."""
     rng = np.random.default_rng(n + step)
-    columns = {name: rng.normal(size=n) for name in names}
+    columns: dict[str, Floats] = {name: rng.normal(size=n) for name in names}
     columns["id"] = np.arange(1.0, n + 1.0)
     if "type" in names:
-        columns["type"] = 1.0 + np.arange(n) % 2
+        columns["type"] = 1.0 + np.arange(n, dtype=np.float64) % 2
     return Frame(step, BOX, ("pp", "fs", "mm"), columns)
 
 

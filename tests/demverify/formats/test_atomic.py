@@ -44,6 +44,6 @@ def test_kept_stream_survives_an_interruption(tmp_path: Path) -> None:
 
 def test_missing_folder_is_named(tmp_path: Path) -> None:
     """Law: a folder that is not there is said in one line."""
-    with pytest.raises(InputError, match="there is no folder .*nowhere") as caught, atomic_write(tmp_path / "nowhere" / "a"):
+    with pytest.raises(InputError, match=r"there is no folder .*nowhere") as caught, atomic_write(tmp_path / "nowhere" / "a"):
         pass
     assert "\n" not in str(caught.value)

@@ -19,7 +19,8 @@ from demverify.formats.h5md import TrajectoryWriter, read_h5md
 from demverify.frames import Frame
 from tests.demverify.formats.samples import assert_same, frame, frames
 
-ALL = tuple("id type x y z vx vy vz fx fy fz omegax omegay omegaz tqx tqy tqz radius mass".split())
+_AXES = [prefix + axis for prefix in ("", "v", "f", "omega", "tq") for axis in "xyz"]
+ALL = ("id", "type", *_AXES, "radius", "mass")
 
 
 def write(path: Path, series: list[Frame]) -> None:
@@ -146,7 +147,8 @@ def test_other_files_are_refused(tmp_path: Path) -> None:
     (tmp_path / "cut.h5").write_bytes((tmp_path / "t.h5").read_bytes()[:3000])
     with h5py.File(tmp_path / "other.h5", "w") as other:
         other["x"] = 1
-    for name, message in {"text.h5": "not an HDF5", "cut.h5": "not", "other.h5": "not a trajectory", "none.h5": "not an HDF5"}.items():
+    messages = {"text": "not an HDF5", "cut": "damaged", "other": "not a trajectory", "none": "not an HDF5"}
+    for name, message in messages.items():
         with pytest.raises(InputError, match=message) as caught:
-            list(read_h5md(tmp_path / name))
+            list(read_h5md(tmp_path / f"{name}.h5"))
         assert "\n" not in str(caught.value)

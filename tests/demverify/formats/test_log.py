@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from pathlib import Path
 
 import numpy as np
@@ -81,7 +82,7 @@ def test_log_of_a_killed_run(tmp_path: Path) -> None:
     [
         ("", "no thermo table"),
         ("hello\nworld\n", "no thermo table"),
-        (HEAD + "%ld 0.1\n%ld 0.2\n" + TAIL, "log.x:4: a thermo table with columns Step KinEng has no row of numbers, but '%ld 0.2'"),
+        (HEAD + "%ld 0.1\n%ld 0.2\n" + TAIL, "log.x:4: a thermo table .* Step KinEng has no row of numbers, but '%ld 0.2'"),
         (HEAD.splitlines()[0] + "\n---\nkeywords: ['Step']\n", "log.x:2: a table of thermo_style yaml"),
     ],
 )
@@ -97,7 +98,7 @@ def test_merging_undoes_cutting(lengths: list[int]) -> None:
     """Law: a run cut into pieces that repeat their boundary rows merges back to the uncut run."""
     whole = np.column_stack([np.arange(sum(lengths) + 1.0), np.random.default_rng(0).normal(size=sum(lengths) + 1)])
     ends = np.cumsum([0, *lengths])
-    pieces = [Thermo(("Step", "KinEng"), whole[a : b + 1]) for a, b in zip(ends[:-1], ends[1:], strict=True)]
+    pieces = [Thermo(("Step", "KinEng"), whole[a : b + 1]) for a, b in itertools.pairwise(ends)]
     np.testing.assert_array_equal(merge_runs(pieces).values, whole)
 
 
