@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import signal
 import sys
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, NoReturn
 
 import typer
 
@@ -15,8 +16,10 @@ from demverify.errors import InputError
 if TYPE_CHECKING:
     from demverify.engines.base import Progress
 
+INTERRUPTED = "interrupted; what was written is readable"
+
 app = typer.Typer(
-    add_completion=False, no_args_is_help=True, pretty_exceptions_enable=False, help="One deck, three engines, one verdict.",
+    add_completion=False, pretty_exceptions_enable=False, help="One deck, three engines, one verdict.",
     context_settings={"help_option_names": ["-h", "--help"]},
 )  # fmt: skip
 
@@ -89,7 +92,7 @@ def run(
         message = f"there is no deck {deck}"
         raise InputError(message)
     variables = _variables(var)
-    job = Job(deck, out, variables, output_interval(deck, variables), timeout, ranks, threads)
+    job = Job(deck, out, variables, output_interval(deck, variables, name), timeout, ranks, threads)
     with _bars() as watch:
         found = execute(name, name, job, watch(name))
     if json:
@@ -185,15 +188,45 @@ def _bars() -> Iterator[Any]:
 
 
 def main() -> None:
-    """Entry point: bad input is one line on stderr and exit status 2."""
+    """Entry point. Whatever goes wrong is one line on stderr: bad input and wrong words status 2, an interruption 130 (SIGINT) or 143."""
+    with suppress(ValueError):  # only the main thread may
+        signal.signal(signal.SIGTERM, _terminate)  # as Ctrl-C: engines are ended, files closed
     try:
-        app(args=_joined_vars(sys.argv[1:]), standalone_mode=True)
+        sys.exit(_status())
     except InputError as error:
-        print(f"demverify: {error}", file=sys.stderr)
-        sys.exit(2)
-    except KeyboardInterrupt:
-        print("demverify: interrupted; what was written is readable", file=sys.stderr)
-        sys.exit(130)
+        _complain(2, str(error))
+    except OSError as error:
+        _complain(2, f"{error.filename or 'a file'}: {error.strerror or error}")
+    except (KeyboardInterrupt, typer.Abort):
+        _complain(130, INTERRUPTED)
+
+
+def _status() -> int:
+    """Runs the command. Typer's own complaints are shortened to one line; an interruption comes back from it as 130."""
+    usage = typer.BadParameter.__bases__[0]  # UsageError: of click, or of typer where it has a copy of its own
+    try:
+        status = app(args=_joined_vars(sys.argv[1:]), prog_name="demverify", standalone_mode=False) or 0
+    except usage as error:
+        _complain(2, _usage(error))
+    if status == 130:
+        raise KeyboardInterrupt
+    return int(status)
+
+
+def _usage(error: Any) -> str:
+    """`Missing argument 'deck' (demverify run --help)`."""
+    context = error.ctx
+    message = " ".join(error.format_message().split()).rstrip(".")
+    return f"{message} ({context.command_path if context else 'demverify'} --help)"
+
+
+def _complain(status: int, message: str) -> NoReturn:
+    print(f"demverify: {message}", file=sys.stderr)
+    sys.exit(status)
+
+
+def _terminate(*_: object) -> NoReturn:
+    _complain(143, INTERRUPTED)
 
 
 if __name__ == "__main__":

@@ -15,7 +15,7 @@ from demverify.deck.lexer import read_text
 from demverify.deck.setup import Dialect, Setup
 from demverify.engines import ENGINES
 from demverify.engines.base import Job, Outcome, Progress
-from demverify.errors import InputError
+from demverify.errors import InputError, Place
 from demverify.frames import Frame, Thermo
 
 if TYPE_CHECKING:
@@ -63,17 +63,33 @@ class Run:
     budgets: Sequence[tuple[int, float, EnergyBudget]] = field(default=())
 
 
+class _Checking(DryBackend):
+    """Also looks at what a run would write, with the variables as they are at that run."""
+
+    def run(self, setup: Setup, steps: int) -> None:
+        """Notes the run. Raises InputError for a dump or a thermo column that cannot be written."""
+        from demverify.engines._outputs import check_outputs
+
+        check_outputs(setup)
+        super().run(setup, steps)
+
+
 def plan(deck: Path, variables: Mapping[str, Sequence[str]]) -> Plan:
     """Reads a deck and checks it whole, scenes of its runs included. Raises InputError for a deck that is wrong or not supported."""
     if not deck.is_file():
         message = f"there is no deck {deck}"
         raise InputError(message)
-    dialect, backend, whole = detect_dialect(deck), DryBackend(), True
+    dialect, backend, whole = detect_dialect(deck), _Checking(), True
     interpreter = Interpreter(dialect, variables, backend)
     try:
         interpreter.run_deck(deck)
     except NeedsRun:
+        if not backend.runs:
+            raise
         whole = False
+    if not backend.runs:
+        message = "the deck has no run command, so nothing would happen"
+        raise InputError(message, Place(deck))
     for run in backend.runs:
         run.scene  # noqa: B018  (building it checks it)
     return Plan(deck, dialect, interpreter.setup, backend.runs, interpreter, whole)
@@ -85,14 +101,18 @@ def frame_interval(steps: int, particles: int) -> int:
     return max(1, -(-steps // frames))
 
 
-def output_interval(deck: Path, variables: Mapping[str, Sequence[str]]) -> int:
-    """Steps between frames of trajectory.h5 in a plain run: those of the deck's first dump, else of its thermo, else of its runs."""
+def output_interval(deck: Path, variables: Mapping[str, Sequence[str]], engine: str) -> int:
+    """Steps between frames of trajectory.h5 in a plain run: those of the deck's first dump, else of its thermo, else of its runs.
+
+    Raises InputError for a deck that the native engine is to run and cannot: before anything is written."""
     try:
         known = plan(deck, variables)
     except InputError:
+        if engine == "native":
+            raise
         found = re.search(r"^\s*thermo\s+(\d+)", read_text(deck), re.MULTILINE)
         return max(1, int(found[1])) if found else 1000
-    setup = known.runs[-1].setup if known.runs else known.setup
+    setup = known.runs[-1].setup
     rhythms = [dump.every for dump in setup.dumps.values()] + [setup.thermo.every, known.steps]
     return next((every for every in rhythms if every > 0), 1)
 

@@ -1,7 +1,7 @@
-"""Makes the particle states of the case folders: `python inputs/make_states.py bed chute`. Their data files are what the decks read.
+"""Makes the particle states of the case folders: `python inputs/make_states.py bed silo chute`. Their data files are what the decks read.
 
 bed: 1,000 spheres of two types dropped into a periodic column, settled, then given small random velocities, so that contacts also
-slide and roll. chute: 10,000 spheres settled on a frozen rough base, then flowing down 24 degrees until the flow is developed.
+slide and roll. silo: the same spheres in a cylinder of radius 0.05 m about the z axis. chute: 10,000 spheres settled on a frozen rough base, then flowing down 24 degrees until the flow is developed.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 from demsolver import (
-    Box, ContactLaw, Freeze, Gravity, Neighbor, NveSphere, Particles, Scene, Simulation, Slab, Wall,
+    Box, ContactLaw, Cylinder, Freeze, Gravity, Neighbor, NveSphere, Particles, Scene, Simulation, Slab, Wall,
 )  # fmt: skip
 from rich.progress import track
 
@@ -49,11 +49,11 @@ def run(simulation: Simulation, steps: int, what: str, parts: int = 100) -> None
         simulation.advance(steps // parts)
 
 
-def write(path: Path, p: Particles, density: float, lengths: tuple[float, float, float], digits: int, title: str) -> None:
-    """A data file both engines read (no image flags); its digits define the state."""
+def write(path: Path, p: Particles, density: float, lengths: tuple[float, float, float], digits: int, title: str, lo: float = 0.0) -> None:
+    """A data file both engines read (no image flags); its digits define the state. lo: lower bound of the box in x and y."""
     f = f"%.{digits}g"
     head = f"{title}\n\n{len(p.id)} atoms\n{p.type.max()} atom types\n\n" + "".join(
-        f"0 {length:g} {axis}lo {axis}hi\n" for axis, length in zip("xyz", lengths, strict=True)
+        f"{low:g} {low + length:g} {axis}lo {axis}hi\n" for axis, low, length in zip("xyz", (lo, lo, 0), lengths, strict=True)
     )
     atoms = ["%d %d %s %s %s %s %s" % (i, t, f % d, f % density, *(f % c for c in x)) for i, t, d, x in zip(p.id, p.type, 2 * p.radius, p.x)]
     motion = [" ".join(["%d" % i, *(f % c for c in (*v, *w))]) for i, v, w in zip(p.id, p.v, p.omega)]
@@ -74,12 +74,37 @@ def make_bed() -> None:
     )  # fmt: skip
     simulation = Simulation(scene)
     run(simulation, 150_000, "bed settles")
+    stir(simulation, rng)
+    title = "1,000 settled polydisperse spheres, given small random velocities; made by inputs/make_states.py"
+    write(HERE / "bed" / "bed.data", simulation.particles(), 2500.0, (width, width, 0.4), 9, title)
+
+
+def make_silo() -> None:
+    """The law, sizes and density of the bed; a cylinder of radius 0.05 m on the floor, in an open box."""
+    rng = np.random.default_rng(20062)
+    n, lengths = 1000, (0.12, 0.12, 0.4)
+    radius = rng.uniform(0.004, 0.007, n).round(6)
+    x = loose(n, (4, 4), (0.066, 0.066), radius, rng) - (0.033, 0.033, 0.0)
+    pair, wall = law((2, 2), 1e4, 400.0, 0.2), law((2,), 1e4, 400.0, 0.2)
+    scene = Scene(
+        Box(np.array([-0.06, -0.06, 0.0]), np.array([0.06, 0.06, 1.0]), ("ff", "ff", "ff")),
+        particles(x, radius, rng.integers(1, 3, n), 2500.0), 2, 1e-5, pair=pair,
+        walls=(Wall("floor", Slab(2, lo=0.0), wall), Wall("side", Cylinder(2, (0.0, 0.0), 0.05, "curved"), wall)),
+        forces=(Gravity((0.0, 0.0, -9.81)),), integrate=(NveSphere(),), neighbor=Neighbor(0.002),
+    )  # fmt: skip
+    simulation = Simulation(scene)
+    run(simulation, 200_000, "silo settles")
+    stir(simulation, rng)
+    title = "1,000 polydisperse spheres settled in a cylinder of radius 0.05, given small random velocities; made by inputs/make_states.py"
+    write(HERE / "bed" / "silo.data", simulation.particles(), 2500.0, lengths, 9, title, -0.06)
+
+
+def stir(simulation: Simulation, rng: np.random.Generator) -> None:
+    """Reports the settled state, then gives it small random velocities."""
     b = simulation.bodies
     print(f"speed {np.abs(b.v).max():.1e} m/s, height {b.x[:, 2].max():.3f} m, {simulation.pairs.touching.sum()} contacts")
     b.v[:] = rng.normal(0.0, 0.02, b.v.shape)
     b.omega[:] = rng.normal(0.0, 5.0, b.v.shape)
-    title = "1,000 settled polydisperse spheres, given small random velocities; made by inputs/make_states.py"
-    write(HERE / "bed" / "bed.data", simulation.particles(), 2500.0, (width, width, 0.4), 9, title)
 
 
 def make_chute() -> None:
@@ -111,5 +136,5 @@ def make_chute() -> None:
 
 
 if __name__ == "__main__":
-    for name in sys.argv[1:] or ["bed", "chute"]:
-        {"bed": make_bed, "chute": make_chute}[name]()
+    for name in sys.argv[1:] or ["bed", "silo", "chute"]:
+        {"bed": make_bed, "silo": make_silo, "chute": make_chute}[name]()

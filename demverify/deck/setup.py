@@ -75,6 +75,7 @@ class ThermoSpec:
     style: str = "one"
     columns: tuple[str, ...] = ()  # filled for style custom
     modify: dict[str, str] = field(default_factory=dict)  # norm yes|no, lost ..., format ..., flush ...
+    place: Place | None = None  # of thermo_style
 
 
 @dataclass

@@ -58,6 +58,9 @@ _KEYWORDS: dict[str, Callable[[Setup], float]] = {
     **{f"{axis}{side}": _face(k, side) for k, axis in enumerate("xyz") for side in ("lo", "hi")},
 }
 
+KEYWORDS = tuple(_KEYWORDS)
+"""Thermo keywords whose value follows from the state of the deck."""
+
 _COLUMNS: dict[str, Callable[[Setup], Floats | Ints]] = {
     "id": lambda setup: setup.atoms.id,  # type: ignore[union-attr]
     "type": lambda setup: setup.atoms.type,  # type: ignore[union-attr]

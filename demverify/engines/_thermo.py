@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 from collections.abc import Callable
 from dataclasses import dataclass
-from pathlib import Path
 from time import perf_counter
 
 import numpy as np
@@ -14,8 +13,9 @@ from demsolver.computes import erotate, erotate_sphere, ke
 from demsolver.scene import Particles
 from demsolver.state import Floats, selected
 from demverify.deck.setup import Setup, Spec
+from demverify.deck.state_values import KEYWORDS as _STATE_KEYWORDS
 from demverify.deck.state_values import state_value
-from demverify.errors import InputError, Place
+from demverify.errors import InputError
 from demverify.formats.columns import COLUMNS, Snapshot
 
 BOLTZMANN = {
@@ -50,7 +50,7 @@ class Meter:
         Raises InputError naming what exists.
         """
         if keyword.startswith("v_"):
-            return float(self.setup.variables.number(keyword[2:], Place(Path("thermo_style"))))
+            return float(self.setup.variables.exact(keyword[2:], self.setup.thermo.place))
         if found := INDEXED.match(keyword):
             return self._compute(found[1], int(found[2] or 0), normalise=normalise)
         if keyword in _KEYWORDS:
@@ -59,7 +59,7 @@ class Meter:
             return number / self.count if extensive and self.count else number
         if (known := state_value(self.setup, keyword)) is not None:
             return known
-        message = f"thermo keyword {keyword!r} is not one of {' '.join(_KEYWORDS)} step dt time atoms vol lx ly lz xlo xhi ... or c_ID, v_NAME"
+        message = f"thermo keyword {keyword!r} is not one of {', '.join(KEYWORDS)}, c_ID, v_NAME"
         raise InputError(message)
 
     @property
@@ -91,6 +91,9 @@ class Meter:
     @property
     def pressure(self) -> float:
         """Kinetic part and pair virial over the volume; walls do not count, as in the engines."""
+        if not self.simulation.virial:
+            message = "a formula can use press only where thermo_style prints it, as in LAMMPS"
+            raise InputError(message, self.setup.thermo.place)
         volume = float(np.prod((self.simulation.box_hi - self.simulation.box_lo)[: self.setup.dimension]))
         return (self.temperature * self.degrees * self.boltzmann + self.simulation.pair_virial()) / (
             self.setup.dimension * volume
@@ -146,4 +149,5 @@ _KEYWORDS: dict[str, Callable[[Meter], float]] = {
     "cpu": lambda m: perf_counter() - m.began if m.simulation.step > m.start else 0.0,
     "density": lambda m: float(m.simulation.bodies.mass.sum() / np.prod(m.simulation.box_hi - m.simulation.box_lo)),
 }
+KEYWORDS = (*_STATE_KEYWORDS, *_KEYWORDS)
 _EXTENSIVE = ("ke", "etotal", "erotate")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -16,7 +16,7 @@ from demverify.errors import InputError
 
 if TYPE_CHECKING:
     from demsolver import EnergyBudget, Simulation
-    from demverify.deck.setup import Setup
+    from demverify.deck.setup import DumpSpec, Setup
     from demverify.formats.columns import Snapshot
     from demverify.formats.dump import DumpWriter
     from demverify.frames import Frame
@@ -38,6 +38,15 @@ class Outputs:
     loop_s: float = 0.0
 
 
+@dataclass
+class _OpenDump:
+    """A dump of the deck and its files. last: the step of its last frame, -1 before the first."""
+
+    spec: DumpSpec
+    writer: DumpWriter
+    last: int = -1
+
+
 class NativeBackend:
     """Runs what the interpreter hands over.
 
@@ -56,24 +65,20 @@ class NativeBackend:
         progress: Progress | None = None,
     ) -> None:
         self.outputs = Outputs()
+        self.printed: Sequence[str] = ()  # by the deck; the caller hands over the interpreter's list, which grows
+        self._said = 0
         self._folder, self._every, self._threads, self._budget = folder, every, threads, budget
         self._nudge, self._keep, self._progress = nudge, keep, progress
         self._simulation: Simulation | None = None
         self._files = ExitStack()
-        self._dumps: dict[str, tuple[DumpWriter, int]] = {}
+        self._dumps: dict[str, _OpenDump] = {}
         self._log: Any = None
         self._thermo: list[tuple[tuple[str, ...], list[list[float]]]] = []
         self._trajectory: Any = None
         self._last_frame = -1
 
     def __enter__(self) -> NativeBackend:
-        """Opens log and trajectory."""
-        from demverify.formats.atomic import atomic_write
-        from demverify.formats.h5md import TrajectoryWriter
-
-        self._folder.mkdir(parents=True, exist_ok=True)
-        self._log = self._files.enter_context(self._files.enter_context(atomic_write(self._folder / "log.native", keep=True)).open("w"))
-        self._trajectory = self._files.enter_context(TrajectoryWriter(self._folder / "trajectory.h5"))
+        """Nothing is written before there are first values: a deck that is wrong leaves no file."""
         return self
 
     def __exit__(self, *error: object) -> None:
@@ -82,11 +87,29 @@ class NativeBackend:
         from demverify.frames import Thermo
 
         try:
-            if self._thermo:
-                titles, rows = self._thermo[-1]
+            if filled := [table for table in self._thermo if table[1]]:
+                titles, rows = filled[-1]
                 write_thermo_csv(self._folder / "thermo.csv", Thermo(titles, np.array(rows, dtype=float).reshape(-1, len(titles))))
         finally:
             self._files.__exit__(*error)  # type: ignore[arg-type]
+
+    def say(self, text: str) -> None:
+        """Writes to log.native: what the deck prints, and the thermo tables."""
+        if self._log is None:
+            self._open()
+        for line in self.printed[self._said :]:
+            self._log.write(f"{line}\n")
+        self._said = len(self.printed)
+        self._log.write(text)
+
+    def _open(self) -> None:
+        from demverify.formats.atomic import atomic_write
+        from demverify.formats.h5md import TrajectoryWriter
+
+        self._folder.mkdir(parents=True, exist_ok=True)
+        part = self._files.enter_context(atomic_write(self._folder / "log.native", keep=True))
+        self._log = self._files.enter_context(part.open("w", buffering=1, encoding="utf-8"))
+        self._trajectory = self._files.enter_context(TrajectoryWriter(self._folder / "trajectory.h5"))
 
     def run(self, setup: Setup, steps: int) -> None:
         """One `run` command."""
@@ -117,15 +140,16 @@ class NativeBackend:
     def _prepare(self, setup: Setup) -> Simulation:
         from demsolver import Simulation
         from demverify.deck.scene_builder import scene_of
+        from demverify.engines._outputs import keywords_of
 
         scene = scene_of(setup)
+        virial = "press" in keywords_of(setup)
         if self._simulation is None:
             if self._nudge is not None:
                 scene.particles.x[:] = self._nudge(scene.particles.x)
-            virial = "press" in _keywords(setup)
             self._simulation = Simulation(scene, threads=self._threads, budget=self._budget, virial=virial)
         else:
-            self._simulation = self._simulation.continue_with(scene)
+            self._simulation = self._simulation.continue_with(scene, virial=virial)
         self._simulation.step = setup.step
         return self._simulation
 
@@ -146,16 +170,15 @@ class _Run:
 
     def __init__(self, backend: NativeBackend, setup: Setup, simulation: Simulation, steps: int) -> None:
         from demverify.engines._thermo import Meter
-        from demverify.formats.thermo import ThermoTable, thermo_formats, thermo_keywords
+        from demverify.engines._outputs import keywords_of
+        from demverify.formats.thermo import ThermoTable, thermo_formats
 
         self.backend, self.setup, self.simulation, self.steps = backend, setup, simulation, steps
         self.start, self.end = setup.step, setup.step + steps
         self.meter = Meter(setup, simulation, self.start, perf_counter())
-        changes = any(face in "sm" for faces in setup.boundary for face in faces)
-        keywords = thermo_keywords(setup.thermo, setup.dialect, box_changes=changes)
-        self.table = ThermoTable(keywords, setup.dialect, thermo_formats(setup.thermo))
+        self.table = ThermoTable(keywords_of(setup), setup.dialect, thermo_formats(setup.thermo), setup.thermo.place)
+        self._head = self.table.header()
         self._open_dumps()
-        backend._log.write(self.table.header())
         if not backend._thermo or backend._thermo[-1][0] != self.table.titles:
             backend._thermo.append((self.table.titles, []))
 
@@ -171,33 +194,38 @@ class _Run:
         _bring_back(self.setup, self.simulation)
         if step in (self.start, self.end) or (thermo.every and step % thermo.every == 0):
             self._write_thermo()
-        for dump in self.setup.dumps.values():
+        for dump in self.backend._dumps.values():
             self._write_dump(dump, step)
         self._write_frame(step)
 
     def _write_thermo(self) -> None:
         norm = normalised(self.setup)
         values = [self.meter.value(keyword, normalise=norm) for keyword in self.table.keywords]
-        self.backend._log.write(self.table.row(values))
+        self.backend.say(self._head + self.table.row(values))
+        self._head = ""
         rows = self.backend._thermo[-1][1]
         if not (rows and "Step" in self.table.titles and rows[-1][self.table.titles.index("Step")] == self.simulation.step):
             rows.append(values)
 
     def _open_dumps(self) -> None:
+        """Closes dumps that the deck ended (its file is whole then), and opens new ones."""
         from demverify.formats.dump import DumpWriter
 
         known = self.backend._dumps
+        for name in [name for name, dump in known.items() if self.setup.dumps.get(name) is not dump.spec]:
+            known.pop(name).writer.__exit__(None, None, None)
         for name, spec in self.setup.dumps.items():
             if name not in known:
-                known[name] = (self.backend._files.enter_context(DumpWriter(spec, self.setup.dialect, self.backend._folder)), -1)
+                writer = self.backend._files.enter_context(DumpWriter(spec, self.setup.dialect, self.backend._folder))
+                known[name] = _OpenDump(spec, writer)
 
-    def _write_dump(self, spec: Any, step: int) -> None:
+    def _write_dump(self, dump: _OpenDump, step: int) -> None:
         from demverify.formats.columns import snapshot_frame
 
-        writer, last = self.backend._dumps[spec.id]
-        if step != last and (step % spec.every == 0 or (spec.first and last < 0)):
-            writer.write(snapshot_frame(self._snapshot(spec.group), spec.columns, spec.place))
-            self.backend._dumps[spec.id] = (writer, step)
+        spec = dump.spec
+        if step != dump.last and (step % spec.every == 0 or (spec.first and dump.last < 0)):
+            dump.writer.write(snapshot_frame(self._snapshot(spec.group), spec.columns, spec.place))
+            dump.last = step
 
     def _write_frame(self, step: int) -> None:
         from demverify.formats.columns import snapshot_frame
@@ -231,12 +259,6 @@ class _Run:
 def normalised(setup: Setup) -> bool:
     """Whether extensive thermo values are per particle: thermo_modify norm, by default yes for lj units only."""
     return setup.thermo.modify.get("norm", "yes" if setup.units == "lj" else "no") == "yes"
-
-
-def _keywords(setup: Setup) -> tuple[str, ...]:
-    from demverify.formats.thermo import thermo_keywords
-
-    return thermo_keywords(setup.thermo, setup.dialect, box_changes=True)
 
 
 def _bring_back(setup: Setup, simulation: Simulation) -> None:
@@ -278,7 +300,10 @@ class Native:
         backend = NativeBackend(job.folder, every=job.every, threads=job.threads, progress=progress, **settings)
         with backend:
             try:
-                Interpreter(detect_dialect(job.deck), job.variables, backend).run_deck(job.deck)
+                interpreter = Interpreter(detect_dialect(job.deck), job.variables, backend)
+                backend.printed = interpreter.printed
+                interpreter.run_deck(job.deck)
+                backend.say("")
             except (LostParticles, Unstable) as error:
                 reason = str(error)
         out, found = backend.outputs, self.find()

@@ -2,7 +2,11 @@
 
 Atoms rows are `id type diameter density x y z ix iy iz`, Velocities rows `id vx vy vz wx wy wz`: atom_style sphere in LAMMPS,
 granular or sphere in LIGGGHTS (its 3.8.0 reads image flags too). What a data file cannot carry: contact history, forces,
-the step, molecule ids and groups. Mass goes over as a density: see `handover_density`.
+the step, molecule ids and groups.
+
+Mass goes over as a density, from which both engines compute rmass = (4 pi/3 R R R) density, left to right. The rounded quotient
+is the best density there is: a mass that was made so comes back exactly, any other misses by one unit in the last place where no
+density gives it (about one in ten).
 """
 
 from __future__ import annotations
@@ -19,8 +23,6 @@ from demverify.formats.atomic import atomic_write
 from demverify.formats.columns import volume
 from demverify.formats.printf import format_rows
 
-Floats = NDArray[np.float64]
-
 
 def write_data(path: Path, atoms: Atoms, box: Box, ntypes: int, dialect: Dialect, dimension: int = 3) -> None:
     """Writes `atoms` (n >= 0 rows) in an orthogonal box. Read back, positions, velocities, spins, radii and images keep every bit
@@ -30,7 +32,7 @@ def write_data(path: Path, atoms: Atoms, box: Box, ntypes: int, dialect: Dialect
     """
     _check(atoms)
     disc = dialect == "liggghts" and dimension == 2  # LAMMPS takes a sphere's volume in two dimensions too
-    density = handover_density(atoms.mass, volume(atoms.radius, 2 if disc else 3))
+    density = atoms.mass / volume(atoms.radius, 2 if disc else 3)
     head = f"demverify state for {dialect}\n\n{atoms.n} atoms\n{ntypes} atom types\n\n"
     bounds = "".join(f"{lo:.17g} {hi:.17g} {a}lo {a}hi\n" for lo, hi, a in zip(box.lo, box.hi, "xyz", strict=True))
     rows = _rows(atoms.id, atoms.type, 2.0 * atoms.radius, density, *atoms.x.T, *atoms.image.T)
@@ -43,18 +45,6 @@ def write_data(path: Path, atoms: Atoms, box: Box, ntypes: int, dialect: Dialect
 def _rows(*columns: NDArray[np.generic]) -> bytes:
     line = " ".join("%d" if np.issubdtype(column.dtype, np.integer) else "%.17g" for column in columns) + "\n"
     return format_rows(line, [column.tolist() for column in columns])
-
-
-def handover_density(mass: Floats, space: Floats) -> Floats:
-    """The density, (n,), whose product with the volume `space` comes nearest to `mass`.
-
-    Both engines compute rmass = (4 pi/3 R R R) density, left to right. A mass that was made so comes back exactly; any other may
-    miss by one unit in the last place, where no double gives it (about one in ten).
-    """
-    first = mass / space
-    tries = np.stack([first, np.nextafter(first, 0.0), np.nextafter(first, np.inf)])
-    best = np.abs(tries * space - mass).argmin(axis=0)
-    return np.asarray(np.take_along_axis(tries, best[None], axis=0)[0])
 
 
 def _check(atoms: Atoms) -> None:

@@ -24,9 +24,10 @@ TIERS = {1: "one state", 2: "200 steps", 3: "long run"}
 
 def print_comparison(report: Report, page: Path) -> None:
     """Engines; for each pair and tier the largest difference of each kind; closed forms; the verdict, and where the report is."""
-    console = Console(highlight=False, soft_wrap=True)
+    console = _console()
     console.print(_engine_table(report.engines))
     console.print()
+    console.print("largest difference, relative to the largest value (in brackets: not judged)")
     console.print(_pair_table([check for check in report.checks if check.kind == "engine"]))
     laws = [check for check in report.checks if check.kind == "law"]
     if laws:
@@ -39,9 +40,15 @@ def print_comparison(report: Report, page: Path) -> None:
     console.print(f"report: {page}")
 
 
+def _console() -> Console:
+    """Of the terminal's width; 120 columns where the output goes elsewhere."""
+    console = Console(highlight=False, soft_wrap=True)
+    return console if console.is_terminal else Console(highlight=False, soft_wrap=True, width=120)
+
+
 def print_run(run: Run) -> None:
     """One engine's run and its files."""
-    console, outcome = Console(highlight=False), run.outcome
+    console, outcome = _console(), run.outcome
     if outcome.status == "ok":
         console.print(
             f"{outcome.engine} {outcome.version}: {outcome.steps} steps of {outcome.n} particles in {outcome.wall_s:.1f} s"
@@ -57,7 +64,7 @@ def print_doctor(rows: Sequence[Mapping[str, str]]) -> None:
     for row in rows:
         status = f"[green]{row['status']}[/]" if row["status"] == "ok" else f"[red]{row['status']}[/]"
         table.add_row(row["what"], status, row["version"], row["detail"], row["how"])
-    Console(highlight=False).print(table)
+    _console().print(table)
 
 
 def _engine_table(engines: Mapping[str, EngineInfo]) -> Table:
@@ -72,7 +79,7 @@ def _engine_table(engines: Mapping[str, EngineInfo]) -> Table:
 
 def _pair_table(checks: Sequence[Check]) -> Table:
     heads = list(dict.fromkeys(COLUMNS.values()))
-    table = Table("largest relative difference", "", *heads, "bulk", "outcome", box=None, pad_edge=False)
+    table = Table("engines", "", *heads, "bulk", "outcome", box=None, pad_edge=False)
     rows: dict[tuple[tuple[str, str], int], list[Check]] = {}
     for check in checks:
         rows.setdefault((check.engines, check.tier), []).append(check)

@@ -2,7 +2,7 @@
 
 This file is read as text and placed behind a generated header, which binds, as globals of the new module:
 
-    compiled, threaded         the compiler; the same with parallel loops when the scene runs on several threads
+    compiled, threaded, entry  the compiler; the same with parallel loops when the scene runs on several threads; for what Python calls
     pair_contact, pair_stored  force and stored energy of the scene's pair law, put together from demsolver/contact
     wall_forces, wall_stored   all walls of the scene, one after another
     field_forces               gravity, freeze, ... of the scene in their order
@@ -231,7 +231,7 @@ def kick_drift(b):
     return farthest
 
 
-@compiled
+@entry
 def run_steps(start, steps, age, rhythm, b, p, shifts, coefficients, ntypes, walls, fields, dt, parts, tallies):
     """Runs until `steps` are done or the list is due; returns (steps done, age of the list, list due in mid-step?).
 
@@ -256,7 +256,7 @@ def run_steps(start, steps, age, rhythm, b, p, shifts, coefficients, ntypes, wal
         start = 0
 
 
-@compiled
+@entry
 def stored(b, p, shifts, coefficients, ntypes, walls):
     """Elastic energy in all contacts: (normal, tangential), at the current positions and histories."""
     normal = tangential = 0.0

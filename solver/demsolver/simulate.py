@@ -67,7 +67,7 @@ class Simulation:
         self.image: Ints = np.array(scene.particles.image, dtype=np.int64)
         self.id: Ints = np.array(scene.particles.id, dtype=np.int64)
         self._budget = budget
-        self._virial = virial
+        self.virial = virial
         self._threads = threads
         self._kernel = specialise(scene, threads, budget=budget, virial=virial)
         self._columns = BUDGET_MEMORY if budget else MEMORY
@@ -118,7 +118,7 @@ class Simulation:
 
     def pair_virial(self) -> float:
         """Sum of r.F over the pairs at the last force evaluation; needs virial=True."""
-        if not self._virial:
+        if not self.virial:
             message = "the virial was not kept: make the Simulation with virial=True"
             raise ValueError(message)
         return float(self._tallies[:, 3].sum())
@@ -138,10 +138,11 @@ class Simulation:
         """The box as it is now: shrink-wrapped faces follow the particles at every list rebuild."""
         return Box(self.box_lo.copy(), self.box_hi.copy(), self.scene.box.boundary)
 
-    def continue_with(self, scene: Scene) -> Simulation:
+    def continue_with(self, scene: Scene, *, virial: bool | None = None) -> Simulation:
         """The next run of a deck: `scene` holds changed settings and the present particles; contact histories go on where the same
-        particles touch under a law of the same name."""
-        other = Simulation(scene, threads=self._threads, budget=self._budget, virial=self._virial)
+        particles touch under a law of the same name. virial: None to leave it as it is."""
+        virial = self.virial if virial is None else virial
+        other = Simulation(scene, threads=self._threads, budget=self._budget, virial=virial)
         other.step = self.step
         if len(other.id) == len(self.id) and np.array_equal(other.id, self.id) and _same_law(scene, self.scene):
             other.pairs = self.pairs

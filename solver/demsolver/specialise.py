@@ -119,9 +119,9 @@ def _slab(shape: Slab, closed: bool) -> str:
         way, sign = (low, 1.0) if low < high else (high, -1.0)
         if way < 0.0:
             way, sign = -way, -sign
-        touches = way {touch} b.radius[i]
+        touches = way > 0.0 and way {touch} b.radius[i]
         nx, ny, nz = {", ".join(normal)}
-        overlap, reff = b.radius[i] - way, b.radius[i]
+        overlap, reff = max(b.radius[i] - way, TINY), b.radius[i]
 """
 
 
@@ -138,12 +138,12 @@ def _cylinder(shape: Cylinder, closed: bool) -> str:
         way = geometry[2] - off
         rw, sign = (-2.0 * geometry[2], -1.0) if off < geometry[2] else (2.0 * geometry[2], 1.0)
         way = abs(way)
-        touches = off > 0.0 and way {touch} b.radius[i]
+        touches = off > 0.0 and way > 0.0 and way {touch} b.radius[i]
         nx = ny = nz = 0.0
         reff = {curved}
         if touches:
             nx, ny, nz = {", ".join(normal)}
-        overlap = b.radius[i] - way
+        overlap = max(b.radius[i] - way, TINY)
 """
 
 
@@ -230,9 +230,14 @@ def fields_source(scene: Scene) -> str:
     return f"\n@compiled\ndef field_forces(b, fields, dt, advance, tally):\n{loop}\n"
 
 
+def meets(scene: Scene) -> bool:
+    """Whether there can be pairs at all: two particles, or one and its periodic image."""
+    return len(scene.particles.id) > 1 or any(scene.box.periodic)
+
+
 def constants(scene: Scene, budget: bool, virial: bool) -> dict[str, bool]:
     """What the scene has; the compiled loop drops what is False."""
-    pair = scene.pair
+    pair = scene.pair if meets(scene) else None
     return {
         "PAIRS": pair is not None,
         "FRICTION": pair is not None and pair.friction != "none",
@@ -260,18 +265,21 @@ def pair_stored(overlap, reff, meff, s_squared, coefficients, row):
 
 def source(scene: Scene, threads: int, *, budget: bool, virial: bool) -> str:
     """The whole text of the specialised module."""
-    laws = ([("pair", scene.pair)] if scene.pair else []) + [(f"wall{k}", wall.law) for k, wall in enumerate(scene.walls)]
+    pair = scene.pair if meets(scene) else None
+    laws = ([("pair", pair)] if pair else []) + [(f"wall{k}", wall.law) for k, wall in enumerate(scene.walls)]
     head = [
         '"""Written by demsolver.specialise; a copy of kernel.py behind the laws of one scene."""',
         "from math import sqrt",
         "from numba import njit",
-        'compiled = njit(cache=True, error_model="numpy", nogil=True)',
-        'threaded = njit(cache=True, error_model="numpy", nogil=True, parallel=True)' if threads > 1 else "threaded = compiled",
+        'compiled = njit(error_model="numpy", nogil=True, no_cpython_wrapper=True, no_cfunc_wrapper=True)',
+        'entry = njit(cache=True, error_model="numpy", nogil=True, no_cfunc_wrapper=True)',
+        'threaded = njit(error_model="numpy", nogil=True, parallel=True)' if threads > 1 else "threaded = compiled",
         f"THREADED = {threads > 1}",
+        "TINY = 1e-200  # at zero overlap, where LIGGGHTS' walls touch already, stiffness is a limit",
         *(f"{name} = {value}" for name, value in constants(scene, budget, virial).items()),
         *(_law_imports(name, law) for name, law in laws),
         *(contact_source(name, law) for name, law in laws),
-        NO_LAW if scene.pair is None else "",
+        NO_LAW if pair is None else "",
     ]
     kernel = (HERE / "kernel.py").read_text()
     loop, split, rest = kernel.partition("@compiled\ndef forces(")

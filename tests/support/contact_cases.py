@@ -15,7 +15,7 @@ from demverify.deck import materials_lammps, materials_liggghts
 from demverify.deck.setup import Dialect, Setup, Spec
 from demverify.errors import Place
 from demverify.frames import Frame
-from tests.support.brute_force import Key, forces
+from demsolver.reference import Key, forces
 from tests.support.engines import run_lammps, run_liggghts
 
 Floats = NDArray[np.float64]

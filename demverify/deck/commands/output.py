@@ -26,7 +26,7 @@ def thermo_style(deck: Interpreter, cmd: Command) -> None:
     columns = cmd.rest()
     if (style == "custom") != bool(columns):
         raise cmd.error(f"{style} expects {'keywords' if style == 'custom' else 'no keywords'}, got {' '.join(columns)!r}")
-    deck.setup.thermo = ThermoSpec(deck.setup.thermo.every, style, columns)
+    deck.setup.thermo = ThermoSpec(deck.setup.thermo.every, style, columns, place=cmd.place)
 
 
 @command("thermo_modify")

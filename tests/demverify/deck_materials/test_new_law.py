@@ -14,7 +14,7 @@ from demsolver import contact
 from demsolver.scene import Box, Particles, Scene
 from demverify.deck import materials_lammps
 from demverify.errors import InputError
-from tests.support.brute_force import forces
+from demsolver.reference import forces
 from tests.support.contact_cases import setup_of
 
 QUARTIC = '''"""Hardening spring: F = k2 overlap^2 + k4 overlap^4. Source: this test."""

@@ -1,0 +1,88 @@
+"""What a run of the native engine would write, looked at before it runs: a dump or a thermo column that cannot be is told at once."""
+
+from __future__ import annotations
+
+from contextlib import suppress
+from pathlib import Path, PurePosixPath
+
+from demverify.deck.dry import NeedsRun
+from demverify.deck.setup import DumpSpec, Setup, Spec
+from demverify.engines._thermo import INDEXED, KEYWORDS, REDUCE
+from demverify.errors import InputError, Place
+from demverify.formats.columns import COLUMNS
+from demverify.formats.dump import DumpWriter
+from demverify.formats.thermo import ThermoTable, thermo_formats, thermo_keywords
+
+OWN_FILES = ("trajectory.h5", "thermo.csv", "log.native")
+
+
+def check_outputs(setup: Setup) -> None:
+    """Raises InputError, with the place of the command, for a thermo or dump column that does not exist, a format that does not fit
+    its column, and a file that is not the run's own: outside of its folder, or taken by another dump."""
+    place, keywords = setup.thermo.place, keywords_of(setup)
+    ThermoTable(keywords, setup.dialect, thermo_formats(setup.thermo), place)
+    for keyword in keywords:
+        _check_keyword(setup, keyword, place)
+    for compute in setup.computes.values():
+        if compute.style == "reduce":
+            _check_reduce(compute)
+    taken = dict.fromkeys(OWN_FILES, "the run itself")
+    for dump in setup.dumps.values():
+        _check_dump(dump, setup, taken)
+
+
+def keywords_of(setup: Setup) -> tuple[str, ...]:
+    """The thermo keywords of a setup; where faces move, style one shows the volume too."""
+    changes = any(face in "sm" for faces in setup.boundary for face in faces)
+    return thermo_keywords(setup.thermo, setup.dialect, box_changes=changes)
+
+
+def _check_keyword(setup: Setup, keyword: str, place: Place | None) -> None:
+    if keyword.startswith("v_"):
+        with suppress(NeedsRun):  # what only the run knows it will tell
+            setup.variables.exact(keyword[2:], place)
+    elif found := INDEXED.match(keyword):
+        _check_compute(setup, found[1], int(found[2] or 0), place)
+    elif keyword not in KEYWORDS:
+        message = f"thermo keyword {keyword!r} is not one of {', '.join(KEYWORDS)}, c_ID, v_NAME"
+        raise InputError(message, place)
+
+
+def _check_compute(setup: Setup, name: str, index: int, place: Place | None) -> None:
+    if name not in setup.computes:
+        message = f"thermo column c_{name}: compute {name!r} is not one of {', '.join(setup.computes) or 'none'}"
+        raise InputError(message, place)
+    compute = setup.computes[name]
+    values = len(compute.args) - 1 if compute.style == "reduce" else 1
+    if (values == 1) != (index == 0) or index > values:
+        expected = f"c_{name}" if values == 1 else f"c_{name}[1] to c_{name}[{values}]"
+        message = f"thermo column c_{name}{f'[{index}]' * bool(index)}: this compute has {expected}"
+        raise InputError(message, place)
+
+
+def _check_reduce(compute: Spec) -> None:
+    mode, inputs = (compute.args or ("",))[0], compute.args[1:]
+    wrong = [name for name in inputs if name not in COLUMNS]
+    if mode not in REDUCE or wrong or not inputs:
+        got = " ".join((mode, *(wrong[:1] or inputs[:1])))
+        message = f"compute {compute.id} reduce {got}: expected a mode of {', '.join(REDUCE)} and columns of {', '.join(COLUMNS)}"
+        raise InputError(message, compute.place)
+
+
+def _check_dump(dump: DumpSpec, setup: Setup, taken: dict[str, str]) -> None:
+    path = PurePosixPath(dump.file)
+    if path.is_absolute() or ".." in path.parts or not path.name:
+        message = f"dump {dump.id} writes to {dump.file!r}; expected a relative path inside the run's folder"
+        raise InputError(message, dump.place)
+    if dump.group not in setup.groups:
+        message = f"dump {dump.id}: group {dump.group!r} was deleted; defined: {', '.join(setup.groups)}"
+        raise InputError(message, dump.place)
+    if str(path) in taken:
+        message = f"dump {dump.id} writes to {dump.file!r}, as does {taken[str(path)]}"
+        raise InputError(message, dump.place)
+    taken[str(path)] = f"dump {dump.id}"
+    for column in dump.columns:
+        if column not in COLUMNS:
+            message = f"dump {dump.id}: column {column!r} is not one of {', '.join(COLUMNS)}"
+            raise InputError(message, dump.place)
+    DumpWriter(dump, setup.dialect, Path())

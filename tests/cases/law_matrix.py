@@ -1,0 +1,208 @@
+"""Every contact law that the native solver shares with an engine, as a deck on 1,000 spheres of two materials.
+
+States: "bed" is periodic in x and y above a floor; "silo" stands in a cylinder of radius 0.05 m on a floor. The numbers keep the
+overlaps near those of the state that was settled with 1e4 N/m (some 1e-5 m, contact radius 2e-4 m) and 60 steps in a contact or more.
+LAMMPS' walls are of style `granular`, for its older wall styles are faulty (see the register).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from itertools import product
+from pathlib import Path
+from typing import Literal
+
+from demverify.deck.setup import Dialect
+
+State = Literal["bed", "silo"]
+STATES: tuple[State, ...] = ("bed", "silo")
+STEPS = 200
+DATA = Path(__file__).parents[2] / "inputs" / "bed"
+BOUNDARY = {"bed": "p p f", "silo": "f f f"}
+HEAD: dict[Dialect, str] = {
+    "lammps": "atom_style sphere\ncomm_modify vel yes",
+    "liggghts": "atom_style granular\natom_modify map array\ncommunicate single vel yes",
+}
+SHAPES: dict[tuple[Dialect, State], tuple[str, ...]] = {
+    ("lammps", "bed"): ("zplane 0.0 NULL",),
+    ("lammps", "silo"): ("zplane 0.0 NULL", "zcylinder 0.05"),
+    ("liggghts", "bed"): ("primitive type 2 zplane 0.0",),
+    ("liggghts", "silo"): ("primitive type 2 zplane 0.0", "primitive type 1 zcylinder 0.05 0.0 0.0"),
+}
+
+
+@dataclass(frozen=True)
+class Law:
+    """A contact law of one dialect. style: the row of the table it belongs to. options: its other words, each with its value.
+
+    lines: material and pairs. wall: what stands before and behind the shape in `fix wall/gran`.
+    """
+
+    dialect: Dialect
+    style: str
+    options: tuple[str, ...]
+    lines: tuple[str, ...]
+    wall: tuple[str, str]
+
+    @property
+    def name(self) -> str:
+        """Style and options."""
+        return " ".join((self.dialect, self.style, *self.options))
+
+
+def deck(law: Law, state: State, steps: int = STEPS) -> str:
+    """The deck of a law on a state; a short skin, so that the list is rebuilt on the way."""
+    before, behind = law.wall
+    shapes = SHAPES[law.dialect, state]
+    walls = [f"fix w{k} all wall/gran {before} {shape} {behind}".rstrip() for k, shape in enumerate(shapes)]
+    lines = (
+        "units si",
+        HEAD[law.dialect],
+        f"boundary {BOUNDARY[state]}",
+        "newton off",
+        f"read_data {DATA / state}.data",
+        "neighbor 1e-4 bin",
+        "neigh_modify delay 0",
+        *law.lines,
+        *walls,
+        "fix g all gravity 9.81 vector 0 0 -1",
+        "fix n all nve/sphere",
+        "timestep 1e-5",
+        f"thermo {steps}",
+        f"run {steps}",
+    )
+    return "\n".join(lines) + "\n"
+
+
+# LAMMPS -------------------------------------------------------------------------------------------------------------------
+
+CLASSIC = {  # pair style -> kn kt gamma_n gamma_t; the wall's words, with kt and gamma_t/gamma_n
+    "gran/hooke": ("1e4 NULL 400 NULL", "granular hooke 1e4 400 damping mass_velocity tangential linear_nohistory {xt} 0.2"),
+    "gran/hooke/history": ("1e4 3e3 400 NULL", "granular hooke 1e4 400 damping mass_velocity tangential linear_history 3e3 {xt} 0.2"),
+    "gran/hertz/history": ("4e7 3e7 2e6 NULL", "granular hertz 4e7 2e6 damping viscoelastic tangential mindlin 3e7 {xt} 0.2"),
+}
+NORMAL = {  # word -> numbers of type 1 and of type 2 around the damping number
+    "hooke": ("1e4 {}", "2e4 {}"),
+    "hertz": ("4e7 {}", "8e7 {}"),
+    "hertz/material": ("5e7 {} 0.3", "1.2e8 {} 0.22"),
+}
+DAMPING = {
+    "velocity": ("0.4", "0.6"),
+    "mass_velocity": ("400", "600"),
+    "viscoelastic": ("2e6", "3e6"),
+    "tsuji": ("0.5", "0.7"),
+    "coeff_restitution": ("0.5", "0.7"),
+}
+TANGENTIAL = {
+    "linear_nohistory": ("0.5 0.2", "0.7 0.3"),
+    "linear_history": ("3e3 0.5 0.2", "5e3 0.7 0.3"),
+    "mindlin": ("3e7 0.5 0.2", "5e7 0.7 0.3"),
+    "mindlin NULL": ("0.5 0.2", "0.7 0.3"),
+}
+LIMIT = {"limit_damping": "limit_damping", "unlimited": ""}
+
+
+def classic(style: str, dampflag: int, limit: str) -> Law:
+    """A gran/* style, one material for all types."""
+    numbers, wall = CLASSIC[style]
+    pair = f"pair_style {style} {numbers} 0.2 {dampflag} {LIMIT[limit]}".rstrip()
+    wall = f"{wall.format(xt=0.5 * dampflag)} {LIMIT[limit]}".rstrip()
+    return Law("lammps", style, (f"dampflag {dampflag}", limit), (pair, "pair_coeff * *"), (wall, ""))
+
+
+def granular(normal: str, damping: str, tangential: str, limit: str) -> Law:
+    """Coefficients of both types; those between them are mixed by either side; walls with the numbers of type 1."""
+    models = [
+        f"granular {numbers.format(eta)} damping {damping} tangential {tangential} {rubbing} {LIMIT[limit]}".rstrip()
+        for numbers, eta, rubbing in zip(NORMAL[normal], DAMPING[damping], TANGENTIAL[tangential], strict=True)
+    ]
+    models = [model.replace("granular", normal, 1) for model in models]
+    pairs = [f"pair_coeff {k} {k} {model}" for k, model in enumerate(models, start=1)]
+    options = (f"damping {damping}", f"tangential {tangential}", limit)
+    return Law("lammps", f"granular {normal}", options, ("pair_style granular", *pairs), (f"granular {models[0]}", ""))
+
+
+def lammps_laws() -> list[Law]:
+    """All combinations that LAMMPS allows: kt NULL needs the constants of a material."""
+    allowed = [c for c in product(NORMAL, DAMPING, TANGENTIAL, LIMIT) if c[0] == "hertz/material" or "NULL" not in c[2]]
+    return [classic(*c) for c in product(CLASSIC, (0, 1), LIMIT)] + [granular(*c) for c in allowed]
+
+
+# LIGGGHTS -----------------------------------------------------------------------------------------------------------------
+
+PROPERTIES = {
+    "youngsModulus": "peratomtype 5e7 1.2e8",
+    "poissonsRatio": "peratomtype 0.3 0.22",
+    "coefficientRestitution": "peratomtypepair 2 0.6 0.5 0.5 0.8",
+    "coefficientFriction": "peratomtypepair 2 0.2 0.3 0.3 0.4",
+    "characteristicVelocity": "scalar 0.1",
+    "kn": "peratomtypepair 2 1e4 2e4 2e4 1.5e4",
+    "kt": "peratomtypepair 2 3e3 5e3 5e3 4e3",
+    "gamman": "peratomtypepair 2 400 500 500 600",
+    "gammat": "peratomtypepair 2 200 100 100 300",
+    "gamman_abs": "peratomtypepair 2 0.4 0.5 0.5 0.6",
+    "gammat_abs": "peratomtypepair 2 0.2 0.3 0.3 0.4",
+    "FluidViscosity": "peratomtypepair 2 1e-3 2e-3 2e-3 3e-3",
+    "MaximumRestitution": "peratomtypepair 2 0.9 0.8 0.8 0.7",
+    "CriticalStokes": "peratomtypepair 2 10 12 12 14",
+}
+PER_RADIUS = {  # for hertz/stiffness, where the contact radius multiplies
+    "kn": "peratomtypepair 2 4e7 8e7 8e7 6e7",
+    "kt": "peratomtypepair 2 3e7 5e7 5e7 4e7",
+    "gamman": "peratomtypepair 2 2e6 3e6 3e6 4e6",
+    "gammat": "peratomtypepair 2 1e6 5e5 5e5 2e6",
+}
+ALWAYS = ("limitForce",)
+RUBBING = ("tangential_damping",)
+OWN = {"hooke": ("viscous",), "hertz": (), "hooke/stiffness": ("absolute_damping",), "hertz/stiffness": ()}
+SPRING = {"hooke": ("ktToKnUser",)}
+
+
+def switches(model: str, tangential: str) -> tuple[str, ...]:
+    """The switches that change anything: without friction none of the tangential ones does, without a spring not that of kt."""
+    rubbing = RUBBING if tangential != "off" else ()
+    spring = SPRING.get(model, ()) if tangential == "history" else ()
+    return (*ALWAYS, *OWN[model], *rubbing, *spring)
+
+
+def gran(model: str, tangential: str, states: Sequence[str]) -> Law:
+    """A LIGGGHTS model with every switch given its state."""
+    values = PROPERTIES | (PER_RADIUS if model == "hertz/stiffness" else {})
+    fixes = [f"fix m{k} all property/global {name} {words}" for k, (name, words) in enumerate(values.items())]
+    settings = tuple(f"{name} {state}" for name, state in zip(switches(model, tangential), states, strict=True))
+    words = f"model {model} tangential {tangential}"
+    pair = " ".join(("pair_style gran", words, *settings))
+    return Law("liggghts", model, (f"tangential {tangential}", *settings), (*fixes, pair, "pair_coeff * *"), (words, " ".join(settings)))
+
+
+def liggghts_laws() -> list[Law]:
+    """All models, tangential models and switches."""
+    return [
+        gran(model, tangential, states)
+        for model, tangential in product(OWN, ("off", "no_history", "history"))
+        for states in product(("off", "on"), repeat=len(switches(model, tangential)))
+    ]
+
+
+LAWS = {law.name: law for law in (*lammps_laws(), *liggghts_laws())}
+
+
+def values(law: Law) -> set[tuple[str, ...]]:
+    """What a law exercises: its style, and the value of each of its options."""
+    return {(law.dialect, law.style), *((law.dialect, option) for option in law.options)}
+
+
+def values_by_style(law: Law) -> set[tuple[str, ...]]:
+    """What a law exercises: the value of each of its options together with its style."""
+    return {(law.dialect, law.style, option) for option in law.options}
+
+
+def selection(laws: Iterable[Law], exercised: Callable[[Law], set[tuple[str, ...]]]) -> list[Law]:
+    """A few laws that exercise all that the many do: the one that adds most, again and again; of equals the last, where most is on."""
+    left = list(laws)[::-1]
+    wanted, chosen = set[tuple[str, ...]]().union(*map(exercised, left)), list[Law]()
+    while wanted:
+        chosen.append(max(left, key=lambda law: len(exercised(law) & wanted)))
+        wanted -= exercised(chosen[-1])
+    return chosen
