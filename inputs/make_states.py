@@ -102,7 +102,7 @@ def make_silo() -> None:
 def stir(simulation: Simulation, rng: np.random.Generator) -> None:
     """Reports the settled state, then gives it small random velocities."""
     b = simulation.bodies
-    print(f"speed {np.abs(b.v).max():.1e} m/s, height {b.x[:, 2].max():.3f} m, {simulation.pairs.touching.sum()} contacts")
+    print(f"speed {np.abs(b.v).max():.1e} m/s, height {b.x[:, 2].max():.3f} m, {(simulation.pairs.touching & 1).sum()} contacts")
     b.v[:] = rng.normal(0.0, 0.02, b.v.shape)
     b.omega[:] = rng.normal(0.0, 5.0, b.v.shape)
 

@@ -12,6 +12,9 @@ Velocity Verlet as LAMMPS does it: contact forces of step n see x(n) and the vel
 
     v += dt/2m F;  omega += dt/2I T;  x += dt v;  F, T = forces(x, v, omega);  v += dt/2m F;  omega += dt/2I T
 
+A pair across a periodic face is listed twice, once for each particle, with the image of the other: the engines compute it so (newton off),
+and only then are forces the same to rounding. Bits of touching: 1 in contact at the last step; 2 (OUTLIVES) since the list was built.
+
 Memory columns of a contact: 0-2 the tangential history s; with BUDGET also what took energy in the last step: 3-5 the normal damping
 force, 6-8 the tangential force, 9-11 and 12-14 the torques on both sides.
 Tally: 0 work of the normal damping, 1 work of the tangential force, 2 work of viscous drag; negative while they take energy.
@@ -54,8 +57,11 @@ def pair_forces(start, stop, b, p, shifts, coefficients, ntypes, dt, advance, fo
         ri = radius[i]
         for k in range(p.first[i], p.first[i + 1]):
             j = p.partner[k]
+            half_dt, both = 0.5 * dt, True
             if PERIODIC:
                 s = p.shift[k]
+                if s != HOME:  # half a pair: the other half stands in the row of j, as seen from there
+                    half_dt, both = 0.25 * dt, False
                 dx = xi - (x[j, 0] + shifts[s, 0])
                 dy = yi - (x[j, 1] + shifts[s, 1])
                 dz = zi - (x[j, 2] + shifts[s, 2])
@@ -65,17 +71,17 @@ def pair_forces(start, stop, b, p, shifts, coefficients, ntypes, dt, advance, fo
             square = dx * dx + dy * dy + dz * dz
             reach = ri + rj
             if square >= reach * reach:
-                if p.touching[k]:
+                if p.touching[k] & 1:
                     if BUDGET:
                         rest = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
                         if advance:
-                            spend(p.memory, k, rest, v[i, 0] - v[j, 0], v[i, 1] - v[j, 1], v[i, 2] - v[j, 2], w, i, j, 0.5 * dt, tally)
+                            spend(p.memory, k, rest, v[i, 0] - v[j, 0], v[i, 1] - v[j, 1], v[i, 2] - v[j, 2], w, i, j, half_dt, tally)
                         remember(p.memory, k, rest)
                     if HISTORY and not OUTLIVES:
                         p.memory[k, 0] = p.memory[k, 1] = p.memory[k, 2] = 0.0
-                    p.touching[k] = 0
+                    p.touching[k] = 2 if OUTLIVES else 0
                 continue
-            p.touching[k] = 1
+            p.touching[k] = 3 if OUTLIVES else 1
             distance = sqrt(square)
             nx, ny, nz = dx / distance, dy / distance, dz / distance
             overlap = reach - distance
@@ -108,11 +114,13 @@ def pair_forces(start, stop, b, p, shifts, coefficients, ntypes, dt, advance, fo
             force[i, 0] += fn * nx + fx
             force[i, 1] += fn * ny + fy
             force[i, 2] += fn * nz + fz
-            force[j, 0] -= fn * nx + fx
-            force[j, 1] -= fn * ny + fy
-            force[j, 2] -= fn * nz + fz
+            if both:
+                force[j, 0] -= fn * nx + fx
+                force[j, 1] -= fn * ny + fy
+                force[j, 2] -= fn * nz + fz
             if VIRIAL:
-                tally[3] += dx * (fn * nx + fx) + dy * (fn * ny + fy) + dz * (fn * nz + fz)
+                virial = dx * (fn * nx + fx) + dy * (fn * ny + fy) + dz * (fn * nz + fz)
+                tally[3] += virial if both else 0.5 * virial
             if FRICTION:
                 if TORQUE_CONTACT:
                     ai, aj = ri - 0.5 * overlap, rj - 0.5 * overlap
@@ -122,9 +130,10 @@ def pair_forces(start, stop, b, p, shifts, coefficients, ntypes, dt, advance, fo
                 torque[i, 0] -= ai * cx
                 torque[i, 1] -= ai * cy
                 torque[i, 2] -= ai * cz
-                torque[j, 0] -= aj * cx
-                torque[j, 1] -= aj * cy
-                torque[j, 2] -= aj * cz
+                if both:
+                    torque[j, 0] -= aj * cx
+                    torque[j, 1] -= aj * cy
+                    torque[j, 2] -= aj * cz
             if BUDGET:
                 now = (
                     damping * nx, damping * ny, damping * nz, fx, fy, fz,
@@ -132,7 +141,7 @@ def pair_forces(start, stop, b, p, shifts, coefficients, ntypes, dt, advance, fo
                     -aj * (ny * fz - nz * fy), -aj * (nz * fx - nx * fz), -aj * (nx * fy - ny * fx),
                 )
                 if advance:
-                    spend(p.memory, k, now, vx, vy, vz, w, i, j, 0.5 * dt, tally)
+                    spend(p.memory, k, now, vx, vy, vz, w, i, j, half_dt, tally)
                 remember(p.memory, k, now)
 
 
@@ -284,7 +293,8 @@ def stored(b, p, shifts, coefficients, ntypes, walls):
                         s = p.memory[k, 0] ** 2 + p.memory[k, 1] ** 2 + p.memory[k, 2] ** 2
                     row = b.kind[i] * ntypes + b.kind[j]
                     en, et = pair_stored(overlap, b.radius[i] * b.radius[j] / reach, meff, s, coefficients, row)
-                    normal += en
-                    tangential += et
+                    part = 0.5 if PERIODIC and p.shift[k] != HOME else 1.0
+                    normal += part * en
+                    tangential += part * et
     en, et = wall_stored(b, walls)
     return normal + en, tangential + et

@@ -1,6 +1,7 @@
 """Neighbour list: particles and their periodic images into cells, cells into rows of pairs, contact memory carried over.
 
-A pair stands in the row of its lower index. A pair is listed when the centres are nearer than both radii plus the skin.
+A pair stands in the row of its lower index; across a periodic face it stands in both rows, each with the image of the other. A pair is
+listed when the centres are nearer than both radii plus the skin.
 """
 
 from __future__ import annotations
@@ -119,7 +120,7 @@ def _rows(n, places, owner, shift, cell, grid, order, starts, radius, skin, excl
                 for q in range(starts[row + max(0, cell[i, 0] - 1)], starts[row + min(grid[0], cell[i, 0] + 2)]):
                     g = order[q]
                     j = owner[g]
-                    if j < i or (j == i and shift[g] <= 13) or excluded[classes[i], classes[j]]:
+                    if (shift[g] == HOME and j <= i) or excluded[classes[i], classes[j]]:
                         continue
                     square = 0.0
                     for c in range(3):
@@ -136,20 +137,44 @@ def _rows(n, places, owner, shift, cell, grid, order, starts, radius, skin, excl
 
 
 @njit(cache=True, error_model="numpy")  # type: ignore[untyped-decorator]
-def carry(old: Any, new: Any, wraps: Ints) -> None:
-    """Hands the memory of touching pairs of the old list to the new one. `wraps` (n, 3): periodic wraps since the old list."""
+def carry(old: Any, new: Any, wraps: Ints, outlives: bool, b: Any, shifts: Floats) -> None:
+    """Hands the memory of the old list to the new one. `wraps` (n, 3): periodic wraps since the old list.
+
+    What touched at the last step goes over (LAMMPS). With `outlives`, what has touched since the last list goes over, but its
+    tangential history only if the pair overlaps now (LIGGGHTS).
+    """
     for i in range(len(old.first) - 1):
         for k in range(old.first[i], old.first[i + 1]):
-            if not old.touching[k]:
-                continue
-            j = old.partner[k]
-            code = old.shift[k]
-            a = code // 9 - 1 - wraps[i, 0] + wraps[j, 0]
-            b = code // 3 % 3 - 1 - wraps[i, 1] + wraps[j, 1]
-            c = code % 3 - 1 - wraps[i, 2] + wraps[j, 2]
-            moved = ((a + 1) * 3 + b + 1) * 3 + c + 1
-            for q in range(new.first[i], new.first[i + 1]):
-                if new.partner[q] == j and new.shift[q] == moved:
-                    new.touching[q] = 1
-                    new.memory[q] = old.memory[k]
-                    break
+            if old.touching[k]:
+                j, code = old.partner[k], old.shift[k]
+                a = code // 9 - 1 - wraps[i, 0] + wraps[j, 0]
+                c = code // 3 % 3 - 1 - wraps[i, 1] + wraps[j, 1]
+                d = code % 3 - 1 - wraps[i, 2] + wraps[j, 2]
+                moved = ((a + 1) * 3 + c + 1) * 3 + d + 1
+                _hand_over(old, k, new, i, j, moved, False, outlives, b, shifts)
+                if code == HOME and moved != HOME:
+                    _hand_over(old, k, new, j, i, 26 - moved, True, outlives, b, shifts)
+
+
+@njit(error_model="numpy")  # type: ignore[untyped-decorator]
+def _hand_over(old, k, new, i, j, code, turned, outlives, b, shifts):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+    """Memory of old pair k to the pair (i, j, code) of the new list; `turned`: as the partner felt it."""
+    for q in range(new.first[i], new.first[i + 1]):
+        if new.partner[q] != j or new.shift[q] != code:
+            continue
+        new.touching[q] = old.touching[k]
+        sign = -1.0 if turned else 1.0
+        columns = old.memory.shape[1]
+        for c in range(min(9, columns)):
+            new.memory[q, c] = sign * old.memory[k, c]
+        for c in range(9, columns):
+            new.memory[q, c] = old.memory[k, (c - 9 + 3) % 6 + 9] if turned else old.memory[k, c]
+        if outlives:
+            square = 0.0
+            for c in range(3):
+                square += (b.x[i, c] - (b.x[j, c] + shifts[code, c])) ** 2
+            if square >= (b.radius[i] + b.radius[j]) ** 2:
+                new.touching[q] &= 1
+                for c in range(3):
+                    new.memory[q, c] = 0.0
+        return

@@ -182,7 +182,7 @@ class Simulation:
         self._age = 0
         if self.scene.pair:
             old, self.pairs = self.pairs, neighbors.build(self.scene, self.bodies, self.box_lo, self.box_hi, self._columns)
-            neighbors.carry(old, self.pairs, wraps)
+            neighbors.carry(old, self.pairs, wraps, self.scene.history_outlives_contact, self.bodies, self._shifts())
 
     def _shrink(self) -> None:
         x = self.bodies.x

@@ -22,6 +22,7 @@ import numpy as np
 
 from demsolver import contact
 from demsolver.scene import ContactLaw, Cylinder, Enforce2D, Freeze, Gravity, Scene, SetForce, Slab, Viscous, Wall
+from demsolver.neighbors import HOME
 from demsolver.state import Floats
 
 HERE = Path(__file__).parent
@@ -275,6 +276,7 @@ def source(scene: Scene, threads: int, *, budget: bool, virial: bool) -> str:
         'entry = njit(cache=True, error_model="numpy", nogil=True, no_cfunc_wrapper=True)',
         'threaded = njit(error_model="numpy", nogil=True, parallel=True)' if threads > 1 else "threaded = compiled",
         f"THREADED = {threads > 1}",
+        f"HOME = {HOME}",
         "TINY = 1e-200  # at zero overlap, where LIGGGHTS' walls touch already, stiffness is a limit",
         *(f"{name} = {value}" for name, value in constants(scene, budget, virial).items()),
         *(_law_imports(name, law) for name, law in laws),

@@ -186,6 +186,10 @@ def liggghts_laws() -> list[Law]:
 
 
 LAWS = {law.name: law for law in (*lammps_laws(), *liggghts_laws())}
+CYLINDERS = (  # the laws whose walls feel the curvature, or do not
+    "lammps granular hertz/material damping tsuji tangential mindlin NULL limit_damping",
+    "liggghts hertz tangential history limitForce off tangential_damping on",
+)
 
 
 def values(law: Law) -> set[tuple[str, ...]]:
@@ -206,3 +210,15 @@ def selection(laws: Iterable[Law], exercised: Callable[[Law], set[tuple[str, ...
         chosen.append(max(left, key=lambda law: len(exercised(law) & wanted)))
         wanted -= exercised(chosen[-1])
     return chosen
+
+
+def quick_jobs() -> list[tuple[str, State]]:
+    """What CI runs: every value of every option once on the bed, and both kinds of cylinder."""
+    bed = [(law.name, STATES[0]) for law in selection(LAWS.values(), values)]
+    return [*bed, *((name, STATES[1]) for name in CYLINDERS)]
+
+
+def full_jobs() -> list[tuple[str, State]]:
+    """All laws on the bed; in the silo every value of every option with every style."""
+    silo = {law.name for law in selection(LAWS.values(), values_by_style)} | set(CYLINDERS)
+    return [(name, state) for state in STATES for name in LAWS if state == "bed" or name in silo]
