@@ -1,7 +1,7 @@
-"""Prints the README's table of contact laws: `python benchmarks/law_table.py [--quick] [--each]`, about 10 minutes the first time.
+"""Prints the README's table of contact laws: `python benchmarks/law_table.py [--quick] [--each]`.
 
-Every law of tests/cases/law_matrix.py on 1,000 spheres, native against the engine. --quick: the few that CI runs. --each: one row a
-law, else one row a style with the worst of its laws.
+Every law of tests/cases/law_matrix.py on 1,000 spheres, native against the engine; about 10 minutes the first time. --quick: the
+few that CI runs. --each: one row a law, else one row a style with the worst of its laws.
 """
 
 from __future__ import annotations

@@ -54,6 +54,9 @@ average out to a few per cent or less; the limit is widened by the measured enve
 TIER2_STEPS = 200
 """Steps after the first common one that tier 2 covers."""
 
+KNOWN = "known difference, accepted: "
+"""How the reason of a check begins that was not judged because the user lives with what is known."""
+
 _TIMINGS = {"step", "cpu", "t/cpu", "s/cpu", "cpuleft", "cpuremain", "elapsed", "elaplong"}
 _NAN = float("nan")
 
@@ -234,7 +237,9 @@ def summary(checks: Sequence[Check]) -> str:
         reasons = "; ".join(dict.fromkeys(check.reason for check in of["skipped"][:3] if check.reason))
         return f"Nothing was judged, so nothing agrees{': ' + reasons if reasons else ''}."
     worst = max(of["pass"], key=lambda check: check.max_rel / check.tolerance if check.tolerance else 0.0)
-    skipped = f", {len(of['skipped'])} skipped" if of["skipped"] else ""
+    known = sum(check.reason.startswith(KNOWN) for check in of["skipped"])
+    gaps = [f"{count} {what}" for count, what in ((known, "known differences accepted"), (len(of["skipped"]) - known, "skipped")) if count]
+    skipped = ", " + ", ".join(gaps) if gaps else ""
     return f"All {len(of['pass'])} checks agree{skipped}; closest to its limit: {worst.quantity} at step {worst.step}."
 
 

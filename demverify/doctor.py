@@ -10,7 +10,7 @@ from importlib import metadata
 from demverify.engines import lammps, liggghts
 from demverify.engines.base import Engine, Missing
 
-_LIBRARIES = ("numpy", "numba", "h5py", "matplotlib")
+_LIBRARIES = ("numpy", "numba", "h5py")
 _NEEDED_PACKAGES = ("GRANULAR",)
 
 

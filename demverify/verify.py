@@ -12,7 +12,7 @@ import numpy as np
 from demverify import laws, register
 from demverify.cases import DECKS, Case, load_case
 from demverify.chaos import Envelope, nudge
-from demverify.compare import Check, compare_law, compare_series, explain, not_judged, verdict
+from demverify.compare import KNOWN, Check, compare_law, compare_series, explain, not_judged, verdict
 from demverify.deck.convert import convert
 from demverify.deck.setup import Dialect
 from demverify.engines import ENGINES
@@ -149,7 +149,7 @@ def _accepted(check: Check, lived_with: Sequence[str]) -> Check:
     """A known difference that the user or the case accepts is not judged; the native engine reproduces it in each dialect."""
     if check.outcome != "fail" or not np.isfinite(check.max_rel) or check.quantity in ("ids", "steps"):
         return check
-    return replace(check, outcome="skipped", reason=f"known difference, accepted: {', '.join(lived_with)}")
+    return replace(check, outcome="skipped", reason=KNOWN + ", ".join(lived_with))
 
 
 def _law_checks(case: Case, runs: Mapping[str, Run]) -> list[Check]:

@@ -115,8 +115,8 @@ class NativeBackend:
         """One `run` command."""
         simulation = self._prepare(setup)
         run = _Run(self, setup, simulation, steps)
+        simulation.setup()  # compiles the loop too, the first time
         began = perf_counter()
-        simulation.setup()
         run.output()
         while simulation.step < run.end:
             self._advance(simulation, run)

@@ -1,7 +1,7 @@
 """Every contact law that the native solver shares with an engine, as a deck on 1,000 spheres of two materials.
 
 States: "bed" is periodic in x and y above a floor; "silo" stands in a cylinder of radius 0.05 m on a floor. The numbers keep the
-overlaps near those of the state that was settled with 1e4 N/m (some 1e-5 m, contact radius 2e-4 m) and 60 steps in a contact or more.
+overlaps near those of the state, which was settled with 1e4 N/m (some 1e-5 m, contact radius 2e-4 m), and a contact 60 steps.
 LAMMPS' walls are of style `granular`, for its older wall styles are faulty (see the register).
 """
 
@@ -79,7 +79,10 @@ def deck(law: Law, state: State, steps: int = STEPS) -> str:
 
 CLASSIC = {  # pair style -> kn kt gamma_n gamma_t; the wall's words, with kt and gamma_t/gamma_n
     "gran/hooke": ("1e4 NULL 400 NULL", "granular hooke 1e4 400 damping mass_velocity tangential linear_nohistory {xt} 0.2"),
-    "gran/hooke/history": ("1e4 3e3 400 NULL", "granular hooke 1e4 400 damping mass_velocity tangential linear_history 3e3 {xt} 0.2"),
+    "gran/hooke/history": (
+        "1e4 3e3 400 NULL",
+        "granular hooke 1e4 400 damping mass_velocity tangential linear_history 3e3 {xt} 0.2",
+    ),
     "gran/hertz/history": ("4e7 3e7 2e6 NULL", "granular hertz 4e7 2e6 damping viscoelastic tangential mindlin 3e7 {xt} 0.2"),
 }
 NORMAL = {  # word -> numbers of type 1 and of type 2 around the damping number
@@ -173,7 +176,8 @@ def gran(model: str, tangential: str, states: Sequence[str]) -> Law:
     settings = tuple(f"{name} {state}" for name, state in zip(switches(model, tangential), states, strict=True))
     words = f"model {model} tangential {tangential}"
     pair = " ".join(("pair_style gran", words, *settings))
-    return Law("liggghts", model, (f"tangential {tangential}", *settings), (*fixes, pair, "pair_coeff * *"), (words, " ".join(settings)))
+    options = (f"tangential {tangential}", *settings)
+    return Law("liggghts", model, options, (*fixes, pair, "pair_coeff * *"), (words, " ".join(settings)))
 
 
 def liggghts_laws() -> list[Law]:
@@ -203,7 +207,7 @@ def values_by_style(law: Law) -> set[tuple[str, ...]]:
 
 
 def selection(laws: Iterable[Law], exercised: Callable[[Law], set[tuple[str, ...]]]) -> list[Law]:
-    """A few laws that exercise all that the many do: the one that adds most, again and again; of equals the last, where most is on."""
+    """A few laws that exercise all that the many do: again and again the one that adds most; of equals the last, with most on."""
     left = list(laws)[::-1]
     wanted, chosen = set[tuple[str, ...]]().union(*map(exercised, left)), list[Law]()
     while wanted:

@@ -22,9 +22,9 @@ FORCE, TORQUE = ("fx", "fy", "fz"), ("tqx", "tqy", "tqz")
 
 @dataclass(frozen=True)
 class Difference:
-    """Largest difference of a particle's force (torque) over the engine's largest force (torque), at set-up and after STEPS steps.
+    """Largest difference of a particle's force (torque) over the engine's largest force (torque): at set-up, after STEPS steps.
 
-    Where the engine has no torque at all, the torque is the largest the native solver has, over the largest force: 0 when all is well.
+    Where the engine has no torque at all: the largest torque of the native solver over the largest force, 0 when all is well.
     """
 
     force_0: float
@@ -48,7 +48,7 @@ def _relative(native: Frame, engine: Frame, names: tuple[str, str, str]) -> floa
     return _largest(found - wanted) / scale
 
 
-def _largest(vectors: np.ndarray) -> float:  # type: ignore[type-arg]
+def _largest(vectors: np.ndarray) -> float:
     return float(np.sqrt(np.max(np.sum(vectors**2, axis=1))))
 
 

@@ -1,6 +1,7 @@
 """Contact laws on 1,000 spheres: the native solver against LAMMPS and LIGGGHTS, every deck through the deck reader.
 
-CI runs a selection with every value of every option; `-m slow` runs all. Limits are relative to the engine's largest force (torque).
+CI runs a selection with every value of every option; `-m slow` runs the rest. Limits are relative to the engine's largest force
+(torque).
 """
 
 from __future__ import annotations
@@ -32,7 +33,8 @@ def job_id(job: tuple[str, State]) -> str:
 @pytest.fixture(scope="module")
 def futures(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Measured]:
     """(law, state) -> its measurement, for all that this session asks for: they run side by side while the tests wait in turn."""
-    wanted = [item.callspec.params["job"] for item in request.session.items if getattr(item, "callspec", None) and "job" in item.callspec.params]
+    parameters = [item.callspec.params for item in request.session.items if hasattr(item, "callspec")]
+    wanted = [found["job"] for found in parameters if "job" in found]
     with measured(dict.fromkeys(wanted), tmp_path_factory.mktemp("laws")) as found:
         yield found
 
@@ -67,9 +69,10 @@ def test_the_selection_exercises_every_value() -> None:
     assert len(selection(LAWS.values(), values)) < len(LAWS) / 8
 
 
+STIFFNESS = "hooke/stiffness tangential history limitForce off absolute_damping off tangential_damping on"
 NUMBERS = [  # law, number in its deck, the same number off by 1e-7
     ("lammps granular hooke damping mass_velocity tangential linear_history unlimited", "1e4 400", "1e4 400.00004"),
-    ("liggghts hooke/stiffness tangential history limitForce off absolute_damping off tangential_damping on", "2 400 500", "2 400.00004 500"),
+    (f"liggghts {STIFFNESS}", "2 400 500", "2 400.00004 500"),
 ]
 
 
@@ -88,7 +91,7 @@ def test_a_wrong_number_is_noticed(name: str, right: str, wrong: str, tmp_path: 
 def test_histories_matter(tmp_path: Path) -> None:
     """After 200 steps the tangential springs carry: without them forces and torques are off by parts in a hundred."""
     require_liggghts()
-    text = deck(LAWS["liggghts hooke/stiffness tangential history limitForce off absolute_damping off tangential_damping on"], "bed")
+    text = deck(LAWS[f"liggghts {STIFFNESS}"], "bed")
     frames = run("liggghts", text, tmp_path / "history")
     other = run("liggghts", text.replace("tangential history", "tangential no_history"), tmp_path / "none")
     assert min(astuple(difference(other, frames))[2:]) > 1e-2
