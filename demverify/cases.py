@@ -8,9 +8,11 @@
 
 from __future__ import annotations
 
+import re
 import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from math import isfinite
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +20,9 @@ from demverify import laws
 from demverify.deck.setup import Dialect
 from demverify.errors import InputError, Place
 
+_TEXT, _LIST = ("a text", str), ("a list", list)
+_KEYS = {"title": _TEXT, "what": _TEXT, "accept": _LIST, "every": ("a whole number", int), "law": ("[[law]] tables", list)}
+_LAW_KEYS = {"name": _TEXT, "tolerance": ("a number", int | float), "reason": _TEXT, "parameters": ("a table", dict)}
 DECKS: dict[Dialect, str] = {"lammps": "in.lammps", "liggghts": "in.liggghts"}
 
 
@@ -51,11 +56,11 @@ def load_case(folder: Path) -> Case:
         raise InputError(message, Place(folder))
     file = folder / "case.toml"
     table = _table(file) if file.is_file() else {}
-    _known(table, {"title", "what", "accept", "every", "law"}, "key", file)
+    _known(table, _KEYS, "key", file)
     return Case(
-        title=str(table.get("title", folder.resolve().name)),
+        title=table.get("title", folder.resolve().name),
         decks=decks,
-        what=str(table.get("what", "")),
+        what=table.get("what", ""),
         accept=tuple(table.get("accept", ())),
         laws=tuple(_law(entry, file) for entry in table.get("law", ())),
         every=_every(table, file),
@@ -66,32 +71,40 @@ def _table(file: Path) -> dict[str, Any]:
     try:
         return tomllib.loads(file.read_text(encoding="utf-8"))
     except (tomllib.TOMLDecodeError, UnicodeDecodeError, OSError) as error:
+        line = re.search(r"at line (\d+)", str(error))
         message = f"not a readable case.toml: {error}"
-        raise InputError(message, Place(file)) from None
+        raise InputError(message, Place(file, int(line[1]) if line else 0)) from None
 
 
 def _every(table: Mapping[str, Any], file: Path) -> int | None:
     every = table.get("every")
-    if every is not None and (not isinstance(every, int) or every < 1):
+    if every is not None and every < 1:
         message = f"every must be a whole number of steps from 1, got {every!r}"
         raise InputError(message, Place(file))
     return every
 
 
 def _law(entry: Mapping[str, Any], file: Path) -> Law:
-    _known(entry, {"name", "tolerance", "reason", "parameters"}, "law key", file)
+    _known(entry, _LAW_KEYS, "law key", file)
     missing = [key for key in ("name", "tolerance", "reason") if key not in entry]
     if missing:
         message = f"a [[law]] needs name, tolerance and reason; {missing[0]} is missing"
         raise InputError(message, Place(file))
-    if entry["name"] not in laws.listing():
-        message = f"law {entry['name']!r} is not one of {', '.join(laws.listing())}"
+    law = Law(entry["name"], float(entry["tolerance"]), entry["reason"], entry.get("parameters", {}))
+    if not (isfinite(law.tolerance) and law.tolerance > 0):
+        message = f"the tolerance of law {law.name} must be a number above zero, got {law.tolerance:g}"
         raise InputError(message, Place(file))
-    return Law(entry["name"], float(entry["tolerance"]), entry["reason"], entry.get("parameters", {}))
+    laws.check(law.name, law.parameters, Place(file))
+    return law
 
 
-def _known(table: Mapping[str, Any], names: set[str], what: str, file: Path) -> None:
-    for key in table:
-        if key not in names:
-            message = f"{what} {key!r} is not one of {', '.join(sorted(names))}"
+def _known(table: Any, kinds: Mapping[str, tuple[str, Any]], what: str, file: Path) -> None:
+    """Raises InputError for a key that is not in `kinds`, or whose value is not of the kind that is said there."""
+    for key, value in table.items() if isinstance(table, dict) else [("", table)]:
+        if key not in kinds:
+            message = f"{what} {key or value!r} is not one of {', '.join(kinds)}"
+            raise InputError(message, Place(file))
+        wanted, kind = kinds[key]
+        if not isinstance(value, kind) or isinstance(value, bool):
+            message = f"{what} {key!r} must be {wanted}, got {value!r}"
             raise InputError(message, Place(file))

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import re
 import signal
 import sys
+import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -28,7 +30,7 @@ Var = Annotated[
     list[str] | None,
     typer.Option("--var", metavar="NAME VALUE", help="Set a variable of the deck, as -var of LAMMPS; may be repeated. NAME=VALUE works too."),
 ]
-Threads = Annotated[int, typer.Option(min=1, help="Threads of the native engine.")]
+Threads = Annotated[int, typer.Option(min=1, max=256, help="Threads of the native engine.")]
 Ranks = Annotated[int, typer.Option(min=1, help="MPI ranks of LAMMPS and LIGGGHTS.")]
 Timeout = Annotated[float, typer.Option(min=1.0, help="Time limit of one engine, in seconds.")]
 
@@ -53,6 +55,7 @@ def compare(
     from demverify.report.text import print_comparison
 
     variables = _variables(var)
+    _check(json)
     settings = verify.Settings(variables, _engines(engine), threads, ranks, timeout, tuple(accept or ()))
     if not target.exists():
         message = f"there is no deck or case folder {target}"
@@ -92,13 +95,15 @@ def run(
         message = f"there is no deck {deck}"
         raise InputError(message)
     variables = _variables(var)
+    _check(json)
     job = Job(deck, out, variables, output_interval(deck, variables, name), timeout, ranks, threads)
     with _bars() as watch:
         found = execute(name, name, job, watch(name))
     if json:
         write_json(json, None, {name: engine_info(found)})
+    if found.outcome.status != "ok":
+        _complain(3 if found.outcome.status == "crashed" else 2, f"{name} {found.outcome.status}: {found.outcome.reason}")
     print_run(found)
-    raise typer.Exit({"ok": 0, "skipped": 2, "crashed": 3}[found.outcome.status])
 
 
 @app.command()
@@ -126,6 +131,7 @@ def doctor(json: Json = None) -> None:
     from demverify.doctor import diagnose
     from demverify.report.text import print_doctor
 
+    _check(json)
     rows = diagnose()
     if json:
         import json as format_json
@@ -134,6 +140,14 @@ def doctor(json: Json = None) -> None:
 
         write_whole(json, format_json.dumps(rows, indent=1) + "\n")
     print_doctor(rows)
+
+
+def _check(json: Path | None) -> None:
+    """Now, not after an hour's run."""
+    from demverify.formats.atomic import check_writable
+
+    if json:
+        check_writable(json)
 
 
 def _engines(names: list[str] | None) -> tuple[str, ...] | None:
@@ -150,8 +164,8 @@ def _variables(given: list[str] | None) -> dict[str, list[str]]:
     pairs = {}
     for text in given or ():
         name, equals, value = text.partition("=")
-        if not equals or not name:
-            message = f"--var {text}: expected NAME VALUE"
+        if not equals or not re.fullmatch(r"\w+", name):
+            message = f"--var {text}: expected NAME VALUE, a name of letters, digits and underscores"
             raise InputError(message)
         pairs[name] = [value]
     return pairs
@@ -191,12 +205,16 @@ def main() -> None:
     """Entry point. Whatever goes wrong is one line on stderr: bad input and wrong words status 2, an interruption 130 (SIGINT) or 143."""
     with suppress(ValueError):  # only the main thread may
         signal.signal(signal.SIGTERM, _terminate)  # as Ctrl-C: engines are ended, files closed
+    if not sys.warnoptions:
+        warnings.simplefilter("ignore")  # numpy's about overflows: what came of them is told in our own words
     try:
         sys.exit(_status())
     except InputError as error:
         _complain(2, str(error))
     except OSError as error:
         _complain(2, f"{error.filename or 'a file'}: {error.strerror or error}")
+    except MemoryError:
+        _complain(3, "not enough memory")
     except (KeyboardInterrupt, typer.Abort):
         _complain(130, INTERRUPTED)
 

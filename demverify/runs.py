@@ -64,20 +64,21 @@ class Run:
 
 
 class _Checking(DryBackend):
-    """Also looks at what a run would write, with the variables as they are at that run."""
+    """Also builds the scene of a run and looks at what it would write, with the variables as they are at that run."""
 
     def run(self, setup: Setup, steps: int) -> None:
-        """Notes the run. Raises InputError for a dump or a thermo column that cannot be written."""
+        """Notes the run. Raises InputError."""
         from demverify.engines._outputs import check_outputs
 
         check_outputs(setup)
         super().run(setup, steps)
+        self.runs[-1].scene  # noqa: B018  (building it checks it)
 
 
 def plan(deck: Path, variables: Mapping[str, Sequence[str]]) -> Plan:
     """Reads a deck and checks it whole, scenes of its runs included. Raises InputError for a deck that is wrong or not supported."""
     if not deck.is_file():
-        message = f"there is no deck {deck}"
+        message = f"{deck} is a folder, expected a deck" if deck.is_dir() else f"there is no deck {deck}"
         raise InputError(message)
     dialect, backend, whole = detect_dialect(deck), _Checking(), True
     interpreter = Interpreter(dialect, variables, backend)
@@ -90,15 +91,15 @@ def plan(deck: Path, variables: Mapping[str, Sequence[str]]) -> Plan:
     if not backend.runs:
         message = "the deck has no run command, so nothing would happen"
         raise InputError(message, Place(deck))
-    for run in backend.runs:
-        run.scene  # noqa: B018  (building it checks it)
     return Plan(deck, dialect, interpreter.setup, backend.runs, interpreter, whole)
 
 
 def frame_interval(steps: int, particles: int) -> int:
-    """Steps between frames of a comparison: at most 200 frames and 500,000 rows, at least 10 frames."""
+    """Steps between frames of a comparison: at most 200 frames and 500,000 rows, at least 5 frames, the last step among them if any
+    such interval divides the steps."""
     frames = min(MOST_FRAMES, max(LEAST_FRAMES, MOST_ROWS // max(1, particles)))
-    return max(1, -(-steps // frames))
+    least = max(1, -(-steps // frames))
+    return next((every for every in range(least, 2 * least + 1) if steps % every == 0), least)
 
 
 def output_interval(deck: Path, variables: Mapping[str, Sequence[str]], engine: str) -> int:
@@ -167,8 +168,11 @@ def _thermo(outcome: Outcome) -> Thermo | None:
 
     if outcome.thermo_log is None or not outcome.thermo_log.is_file():
         return None
-    tables = read_thermo(outcome.thermo_log)
     try:
-        return merge_runs(tables) if tables else None
-    except InputError:
+        tables = read_thermo(outcome.thermo_log)
+    except InputError:  # it died before its first run
+        return None
+    try:
+        return merge_runs(tables)
+    except InputError:  # the columns changed
         return tables[-1]

@@ -23,6 +23,7 @@ from demverify.report.content import DifferenceCurve, EnergySeries, EngineInfo, 
 from demverify.runs import Plan, Run, execute, frame_interval, plan
 
 DIALECTS: tuple[Dialect, ...] = ("lammps", "liggghts")
+NOT_CONVERTED = "not converted"
 Watch = Callable[[str], Progress | None]
 
 
@@ -36,6 +37,10 @@ class Settings:
     ranks: int = 1
     timeout_s: float = 3600.0
     accept: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        """Raises InputError for an id that the register does not have."""
+        _known_entries(self.accept)
 
 
 @dataclass(frozen=True)
@@ -63,24 +68,28 @@ def find_case(target: Path, out: Path, variables: Mapping[str, Sequence[str]]) -
         rows = convert(known, other, written).rows
         decks[other] = written
     except InputError as error:
-        rows = (("the whole deck", "not converted", error.message),)
+        rows = (("the whole deck", NOT_CONVERTED, error.message),)
     return Case(title=target.name, decks=decks), rows
 
 
 def compare_case(case: Case, out: Path, settings: Settings, watch: Watch, rows: Sequence[tuple[str, str, str]] = ()) -> Comparison:
     """Runs a case in every engine and judges it. Raises InputError for a wrong deck, before anything has run."""
     plans = {dialect: plan(deck, settings.variables) for dialect, deck in case.decks.items()}
-    for known in plans.values():
-        if not known.runs:
-            message = "the deck has no run command, so there is nothing to compare"
-            raise InputError(message, Place(known.deck))
-    _known_entries((*case.accept, *settings.accept))
+    _known_entries(case.accept)
     runs: dict[str, Run] = {}
     envelopes: dict[Dialect, Envelope] = {}
     for dialect, known in plans.items():
         runs |= _run_dialect(known, _label(dialect, plans), case.every, out, settings, watch, envelopes)
-    checks = [*_pair_checks(plans, runs, envelopes, (*case.accept, *settings.accept)), *_law_checks(case, runs)]
+    checks = [*_pair_checks(plans, runs, envelopes, (*case.accept, *settings.accept)), *_law_checks(case, runs), *_not_converted(plans, rows)]
     return Comparison(checks, runs, _report(case, plans, runs, checks, envelopes, rows))
+
+
+def _not_converted(plans: Mapping[Dialect, Plan], rows: Sequence[tuple[str, str, str]]) -> Iterator[Check]:
+    """The engine that could not run because its deck could not be written is named with the reason, not left out."""
+    for _, _, why in (row for row in rows if row[1] == NOT_CONVERTED):
+        first: Dialect = next(iter(plans))
+        other: Dialect = "liggghts" if first == "lammps" else "lammps"
+        yield not_judged("all", (first, other), "skipped", f"{other} did not run: {why}")
 
 
 def _known_entries(accepted: Sequence[str]) -> None:

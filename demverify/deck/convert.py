@@ -13,14 +13,16 @@ from typing import TYPE_CHECKING
 
 from demverify.deck import convert_laws as laws
 from demverify.deck.command import Executed
+from demverify.deck.scene_builder import LOST
 from demverify.deck.setup import Dialect
 from demverify.errors import InputError, Place
-from demverify.formats.atomic import atomic_write
+from demverify.formats.atomic import atomic_write, check_writable
 from demverify.formats.data_file import write_data
 
 if TYPE_CHECKING:
     from demverify.runs import Plan
 
+WATCHING = ("dump", "dump_modify", "undump", "fix", "unfix")  # left out where the reader did: the other engine may not know the style
 RANDOM = ("velocity", "displace_atoms", "set", "create_atoms")
 STATE = ("create_box", "create_atoms", "read_data", "set", "velocity", "displace_atoms", "lattice", "mass", "density", "diameter", "molecule")
 DROPPED = ("variable", "log", "echo", "processors", "comm_modify", "communicate", "newton", "atom_modify", "suffix", "package", "label",
@@ -45,6 +47,10 @@ def convert(plan: Plan, target: Dialect, output: Path) -> Conversion:
     Raises InputError for a deck that is in this dialect already, that goes on with results of its own runs, or that says something
     the other engine cannot.
     """
+    check_writable(output)
+    if output.exists() and output.samefile(plan.deck):
+        message = f"{output} is the deck that is converted; expected another file to write"
+        raise InputError(message)
     found = conversion(plan, target, output.name + ".data")
     if found.handover:
         setup = plan.runs[0].setup
@@ -83,8 +89,9 @@ class _Translator:
 
     def translate(self) -> Conversion:
         lines = [f"# {self.target} deck written by demverify from {self.plan.deck.name}"]
+        left_out = {line for line in self.plan.interpreter.ignored if line.words[0] in WATCHING}
         for executed in self.plan.interpreter.executed:
-            for line in self._one(executed):
+            for line in self._one(executed) if executed not in left_out else ():
                 lines.append(line)
                 if line != executed.text.strip() and not line.startswith("#"):
                     self.rows.append((f"{executed.place.line}: {executed.text.strip()}", line, ""))
@@ -93,6 +100,8 @@ class _Translator:
     def _one(self, executed: Executed) -> Iterator[str]:
         name, words = executed.words[0], executed.words
         if name == "run":
+            if not self._ran and "lost" not in self.setup.thermo.modify:  # the dialects differ in the default
+                yield f"thermo_modify lost {LOST[self.plan.dialect]}"
             self._ran = True
         if name in STATE and self.handover and not self._ran:
             yield from self._hand_over(name)

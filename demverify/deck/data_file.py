@@ -14,6 +14,7 @@ from demverify.deck.particles import density_mass, new_atoms, wrap
 from demverify.deck.setup import Atoms, Floats, Setup
 from demverify.errors import InputError, Place
 
+_MOST = 2**31 - 1  # particles and ids of an engine built as both are here
 _EDGE = 1e-6  # share of an open box by which LAMMPS lets particles of a data file stick out
 _BOUNDS = re.compile(r"(\S+)\s+(\S+)\s+([xyz])lo\s+\3hi")
 _COUNT = re.compile(r"(\S+)\s+(atoms|atom types|(?:bond|angle|dihedral|improper)(?:s| types)|ellipsoids|lines|triangles|bodies)")
@@ -101,6 +102,7 @@ def particles_of(data: DataFile, setup: Setup) -> Atoms:
     images = _table(data, [(number, words[7:] or ["0", "0", "0"]) for number, words in rows], "ix iy iz")
     _check_whole(data, rows, table[:, 0], "id", 1)
     _check_whole(data, rows, table[:, 1], "type", 1, setup.ntypes)
+    _complain(data, rows, (images != np.floor(images)).any(axis=1), "ix iy iz must be whole numbers")
     _check_unique(data, rows, table[:, 0])
     _complain(data, rows, table[:, 2] < 0.0, "the diameter must not be negative")
     _complain(data, rows, table[:, 3] <= 0.0, "the density must be above zero")
@@ -146,7 +148,7 @@ def _table(data: DataFile, rows: list[tuple[int, list[str]]], columns: str) -> F
     """(n, columns) numbers, all finite."""
     try:
         table = np.array([float(word) for _, words in rows for word in words]).reshape(len(rows), len(rows[0][1]) if rows else 10)
-        if np.isfinite(table).all():
+        if np.isfinite(table).all() and not any("_" in word for _, words in rows for word in words):  # Python reads 1_0
             return table
     except ValueError:
         pass  # one word is no number: found below, with its line
@@ -159,7 +161,7 @@ def _table(data: DataFile, rows: list[tuple[int, list[str]]], columns: str) -> F
 def _check_whole(
     data: DataFile, rows: list[tuple[int, list[str]]], column: Floats, name: str, low: int, high: int | None = None
 ) -> None:
-    bad = (column != np.floor(column)) | (column < low) | (column > (high or np.inf))
+    bad = (column != np.floor(column)) | (column < low) | (column > (high or _MOST))
     _complain(data, rows, bad, f"the {name} must be a whole number from {low}" + (f" to {high}" if high else ""))
 
 
@@ -189,7 +191,7 @@ def _complain(
 
 def _number(word: str, name: str, place: Place) -> float:
     try:
-        value = float(word)
+        value = np.nan if "_" in word else float(word)
     except ValueError:
         value = np.nan
     if not np.isfinite(value):
@@ -198,6 +200,6 @@ def _number(word: str, name: str, place: Place) -> float:
 
 
 def _whole(word: str, name: str, place: Place) -> int:
-    if not word.isdigit():
+    if not (word.isascii() and word.isdigit()) or int(word) > _MOST:
         raise InputError(f"expected a whole number for {name}, got {word!r}", place)
     return int(word)

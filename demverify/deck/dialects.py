@@ -16,12 +16,12 @@ _LIGGGHTS = re.compile(
 
 
 def detect_dialect(path: Path) -> Dialect:
-    """liggghts when the file is called so (in.liggghts, x.liggghts) or speaks its words, else lammps.
+    """liggghts when the file is called so (in.liggghts, x.liggghts) or speaks its words, else lammps; x.lammps is lammps.
 
     Raises InputError for a file that cannot be read."""
     name = path.name.lower()
     if "liggghts" in name:
         return "liggghts"
-    if "lammps" in name:
+    if name.endswith(".lammps"):
         return "lammps"
     return "liggghts" if _LIGGGHTS.search(read_text(path)) else "lammps"

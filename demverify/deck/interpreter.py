@@ -119,7 +119,10 @@ class Interpreter:
             raise InputError(f"command {cmd.name!r} is not supported; supported: {known}", cmd.place)
         if cmd.name not in _CONTROL:
             self.executed.append(Executed((cmd.name, *cmd.args), cmd.text, cmd.place))
-        handler(self, cmd)
+        try:
+            handler(self, cmd)
+        except InputError as error:
+            raise error if error.place else type(error)(error.message, cmd.place) from None
 
     def _start(self, cursor: _Cursor) -> None:
         try:

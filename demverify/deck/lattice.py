@@ -8,6 +8,7 @@ import numpy as np
 
 from demverify.deck.command import Command
 from demverify.deck.setup import Floats, Ints, Setup
+from demverify.errors import InputError
 
 _HALF = 0.5
 _BASIS: dict[str, list[tuple[float, float, float]]] = {
@@ -20,6 +21,7 @@ _BASIS: dict[str, list[tuple[float, float, float]]] = {
     "hex": [(0, 0, 0), (_HALF, _HALF, 0)],
 }
 _FLAT = ("sq", "sq2", "hex")
+_MOST_POINTS = 1e7
 _EDGE = 1e-6  # LAMMPS shifts the window for new particles by this share of a periodic box, to get each image once
 
 
@@ -104,6 +106,8 @@ def lattice_points(setup: Setup) -> tuple[Floats, Ints]:
     assert box is not None
     corners = np.stack(np.meshgrid(*zip(box.lo, box.hi, strict=True)), axis=-1).reshape(-1, 3)
     reach = lattice.from_box(corners)
+    if (cells := float(np.prod(np.ptp(reach, axis=0) + 3.0))) * len(lattice.basis) > _MOST_POINTS:
+        raise InputError(f"the lattice has {cells:.1e} cells in this box, more than {_MOST_POINTS:.0e} points")
     lo, hi = np.floor(reach.min(axis=0)).astype(int) - 1, np.ceil(reach.max(axis=0)).astype(int) + 1
     if setup.dimension == 2:
         lo[2] = hi[2] = 0

@@ -16,6 +16,7 @@ from demverify.errors import InputError, Place
 _MARK = re.compile(r'"""|"|\'|#')
 _WORD = re.compile(r'"""(?P<triple>.*?)"""|"(?P<double>[^"]*)"|\'(?P<single>[^\']*)\'|(?P<bare>[^\s"\']\S*)', re.DOTALL)
 _BLANK = re.compile(r"\s*")
+_BINARY = re.compile(rb"[\x00-\x08\x0e-\x1a\x1c-\x1f\x7f]")  # control characters that no text holds
 
 
 @dataclass(frozen=True)
@@ -47,14 +48,14 @@ def read_text(path: Path) -> str:
 
 
 def decode(data: bytes, path: Path) -> str:
-    """Bytes as UTF-8 text, a byte order mark dropped. Raises InputError for binary data."""
-    if b"\0" in data:
-        raise InputError("expected a text file, found a binary one", Place(path, data[: data.index(b"\0")].count(b"\n") + 1))
+    """Bytes as text: UTF-8, a byte order mark dropped, else Latin-1, as the engines take any byte in a comment (public decks hold
+    such). Raises InputError for binary data."""
+    if found := _BINARY.search(data):
+        raise InputError("expected a text file, found a binary one", Place(path, data[: found.start()].count(b"\n") + 1))
     try:
         return data.decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        line = data[: error.start].count(b"\n") + 1
-        raise InputError(f"expected UTF-8 text, found the byte 0x{data[error.start]:02x}", Place(path, line)) from None
+    except UnicodeDecodeError:
+        return data.decode("latin-1")
 
 
 def parse_deck(text: str, file: Path) -> list[Line]:

@@ -54,7 +54,7 @@ class Words:
         """The next word as a finite number of [low, high]."""
         word = self.take(wanted)
         try:
-            value = float(word)
+            value = inf if "_" in word else float(word)
         except ValueError:
             value = inf
         if not isfinite(value):
@@ -76,7 +76,7 @@ class Words:
         """The next word as a whole number of [low, high]."""
         word = self.take(wanted)
         try:
-            value = int(word)
+            value = int("no" if "_" in word else word)
         except ValueError:
             raise self.error(f"{wanted} must be a whole number, got {word!r}") from None
         return int(self.within(wanted, value, low, high))

@@ -7,12 +7,14 @@ from typing import Any
 
 import numpy as np
 
-from demsolver.scene import Neighbor, Particles, Scene
+from demsolver.scene import Neighbor, NveSphere, Particles, Scene
+from demsolver.state import selected
 from demverify.deck.forces import FORCES, nve_sphere
-from demverify.deck.setup import Atoms, NeighborSpec, Setup
+from demverify.deck.setup import Atoms, NeighborSpec, Setup, Spec
 from demverify.errors import InputError, Place
 
 _SKIN = {"lj": 0.3, "si": 0.001, "cgs": 0.1, "micro": 0.1}
+LOST = {"lammps": "error", "liggghts": "ignore"}  # thermo_modify lost; measured
 _DELAY = {"lammps": 0, "liggghts": 10}
 
 
@@ -25,7 +27,7 @@ def scene_of(setup: Setup) -> Scene:
     check_particles(setup.atoms)
     law: Any = import_module(f"demverify.deck.materials_{setup.dialect}")
     fixes = setup.fixes.values()
-    return Scene(
+    scene = Scene(
         box=setup.box,
         particles=_particles(setup.atoms),
         ntypes=setup.ntypes,
@@ -33,12 +35,33 @@ def scene_of(setup: Setup) -> Scene:
         pair=law.pair_law(setup),
         walls=law.walls(setup),
         forces=tuple(FORCES[spec.style](setup, spec) for spec in fixes if spec.style in FORCES),
-        integrate=tuple(nve_sphere(setup, spec) for spec in fixes if spec.style == "nve/sphere"),
+        integrate=tuple(_integrate(setup, spec) for spec in fixes if spec.style == "nve/sphere"),
         neighbor=_neighbor(setup, setup.neighbor),
         dimension=setup.dimension,
-        lost=setup.thermo.modify.get("lost", "error"),  # type: ignore[arg-type]
+        lost=setup.thermo.modify.get("lost", LOST[setup.dialect]),  # type: ignore[arg-type]
         history_outlives_contact=setup.dialect == "liggghts" and setup.neighbor.contact_distance_factor == 1.0,
     )
+    _check_reach(scene)
+    return scene
+
+
+def _check_reach(scene: Scene) -> None:
+    """The solver sees the nearest image of a neighbour only."""
+    reach = 2.0 * float(scene.particles.radius.max(initial=0.0)) + scene.neighbor.skin
+    for axis, length in enumerate(scene.box.hi - scene.box.lo):
+        if scene.pair and scene.box.periodic[axis] and length < reach:
+            message = f"the periodic box is {length:g} long in {'xyz'[axis]}, shorter than two radii and the skin, {reach:g}"
+            raise InputError(message)
+
+
+def _integrate(setup: Setup, spec: Spec) -> NveSphere:
+    found, atoms = nve_sphere(setup, spec), setup.atoms
+    assert atoms is not None
+    points = selected(atoms.mask, found.bit) & (atoms.radius == 0.0)
+    if points.any():
+        message = f"fix {spec.id} nve/sphere: particle {atoms.id[points][0]} has radius 0; a point cannot turn"
+        raise InputError(message, spec.place)
+    return found
 
 
 def _particles(atoms: Atoms) -> Particles:

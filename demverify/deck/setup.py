@@ -60,7 +60,7 @@ class DumpSpec:
     every: int
     file: str
     columns: tuple[str, ...]
-    place: Place
+    place: Place  # of the dump, or of its last dump_modify
     sort: str | None = None
     format: dict[str, str] = field(default_factory=dict)  # "float" | "int" | "line" | column number -> printf format
     first: bool = False

@@ -23,11 +23,12 @@ BOLTZMANN = {
     "liggghts": {"lj": 1.0, "si": 1.3806504e-23, "cgs": 1.3806504e-16, "micro": 1.3806504e-8},
 }
 INDEXED = re.compile(r"c_([^\[\]]+)(?:\[(\d+)\])?$")
+BIG = 1e20  # where the engines start looking for a minimum
 COMPUTES = ("erotate", "erotate/sphere", "ke", "reduce")
 REDUCE: dict[str, Callable[[Floats], float]] = {
     "sum": lambda a: float(a.sum()),
-    "min": lambda a: float(a.min(initial=np.inf)),
-    "max": lambda a: float(a.max(initial=-np.inf)),
+    "min": lambda a: float(a.min(initial=BIG)),
+    "max": lambda a: float(a.max(initial=-BIG)),
     "ave": lambda a: float(a.mean()) if len(a) else 0.0,
     "sumsq": lambda a: float(a @ a),
     "avesq": lambda a: float(a @ a) / len(a) if len(a) else 0.0,

@@ -6,6 +6,7 @@ import os
 import re
 import shutil
 import subprocess
+import tempfile
 from pathlib import Path
 
 from demverify.engines import lammps
@@ -46,32 +47,34 @@ class Liggghts:
         start = (str(mpirun), "--allow-run-as-root", "--oversubscribe", "-n", str(job.ranks)) if job.ranks > 1 else ()
         stdbuf = shutil.which("stdbuf")
         unbuffered = (stdbuf, "-oL") if stdbuf else ()
-        program = Program(self.name, found, (*start, *unbuffered, str(found.path)), _environment())
+        program = Program(self.name, found, (*start, *unbuffered, str(found.path)), _environment(job.folder.resolve()))
         return launch(program, job, progress)
 
 
-def _environment() -> dict[str, str]:
+def _environment(scratch: Path) -> dict[str, str]:
     """Without MPICH's folder on the loader's path, whose libraries are not Open MPI's; and alone when run alone.
 
-    Started without mpirun, a program has Open MPI start a daemon, in a session of its own, which outlives a killed run a while.
+    Started without mpirun, a program has Open MPI start a daemon, in a session of its own, which outlives a killed run a while. Two
+    programs started at once trip over each other in Open MPI's common folder in /tmp, so each has its own: `scratch`.
     """
     folder = lammps.library_folder()
     paths = os.environ.get("LD_LIBRARY_PATH", "").split(":")
     kept = [path for path in paths if path and (folder is None or Path(path).resolve() != folder)]
-    return {**clean_environment(), "LD_LIBRARY_PATH": ":".join(kept), "OMPI_MCA_ess_singleton_isolated": "1"}
+    return {**clean_environment(), "LD_LIBRARY_PATH": ":".join(kept), "OMPI_MCA_ess_singleton_isolated": "1", "OMPI_MCA_orte_tmpdir_base": str(scratch)}
 
 
 def _help(program: str) -> str:
     """What `-h` prints. Its exit status is 1 even when all is well; without `-log none` it leaves a log in the user's folder."""
-    done = subprocess.run(
-        [program, "-log", "none", "-h"],
-        env=_environment(),
-        stdin=subprocess.DEVNULL,
-        capture_output=True,
-        text=True,
-        timeout=60,
-        check=False,
-    )
+    with tempfile.TemporaryDirectory() as scratch:
+        done = subprocess.run(
+            [program, "-log", "none", "-h"],
+            env=_environment(Path(scratch)),
+            stdin=subprocess.DEVNULL,
+            capture_output=True,
+            text=True,
+            timeout=60,
+            check=False,
+        )
     return done.stdout + done.stderr
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, field
+from math import isfinite
 from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
@@ -199,8 +200,14 @@ class _Run:
         self._write_frame(step)
 
     def _write_thermo(self) -> None:
+        from demsolver import Unstable
+
         norm = normalised(self.setup)
         values = [self.meter.value(keyword, normalise=norm) for keyword in self.table.keywords]
+        for keyword, value in zip(self.table.keywords, values, strict=True):
+            if not isfinite(value):
+                message = f"thermo column {keyword} became infinite by step {self.simulation.step}"
+                raise Unstable(message)
         self.backend.say(self._head + self.table.row(values))
         self._head = ""
         rows = self.backend._thermo[-1][1]
@@ -231,7 +238,8 @@ class _Run:
         from demverify.formats.columns import snapshot_frame
 
         backend, every = self.backend, self.backend._every
-        if every is None or step == backend._last_frame or not (step % every == 0 or step == self.end):
+        last = step == self.end and not backend._keep  # the engines' dumps, which kept frames are compared with, leave it out
+        if every is None or step == backend._last_frame or not (step % every == 0 or last):
             return
         backend._last_frame = step
         frame = snapshot_frame(self._snapshot("all"), TRAJECTORY)

@@ -14,17 +14,25 @@ def part_path(path: Path) -> Path:
     return path.with_name(path.name + ".part")
 
 
+def check_writable(path: Path) -> None:
+    """Raises InputError where no file can come to be: its folder does not exist, or it is a folder itself."""
+    if not path.parent.is_dir():
+        message = f"cannot write {path.name}: there is no folder {path.parent}"
+        raise InputError(message)
+    if path.is_dir():
+        message = f"cannot write {path}: it is a folder"
+        raise InputError(message)
+
+
 @contextmanager
 def atomic_write(path: Path, *, keep: bool = False) -> Iterator[Path]:
     """Yields the name of a temporary file to write; on success it becomes `path`, on failure it is removed.
 
     keep: for streams of frames that are each written whole: also an interrupted one becomes `path`, as far as it got.
     (After SIGKILL nothing runs any more: `path.part` is left.)
-    Raises InputError where the folder does not exist.
+    Raises InputError as `check_writable` does.
     """
-    if not path.parent.is_dir():
-        message = f"cannot write {path.name}: there is no folder {path.parent}"
-        raise InputError(message)
+    check_writable(path)
     temporary = part_path(path)
     try:
         yield temporary

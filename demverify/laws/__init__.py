@@ -9,8 +9,9 @@ from __future__ import annotations
 import inspect
 from collections.abc import Mapping, Sequence
 from importlib import import_module
+from math import isfinite
 from pkgutil import iter_modules
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, get_args, get_type_hints
 
 from demverify.errors import InputError, Place
 from demverify.frames import Frame
@@ -31,15 +32,42 @@ def listing() -> tuple[str, ...]:
     return tuple(sorted(module.name for module in iter_modules(__path__)))
 
 
-def measure(name: str, frames: Sequence[Frame], parameters: Mapping[str, Any], place: Place) -> list[Measured]:
-    """Applies a law. Raises InputError for an unknown law or parameter."""
+def check(name: str, parameters: Mapping[str, Any], place: Place) -> None:
+    """Whether a law can be applied with these parameters. Raises InputError for an unknown law, and a missing, unknown or wrong parameter."""
     if name not in listing():
         message = f"law {name!r} is not one of {', '.join(listing())}"
         raise InputError(message, place)
-    law = import_module(f"{__name__}.{name}").measure
-    wanted = tuple(inspect.signature(law).parameters)[1:]
+    wanted = _parameters(name)
     if set(parameters) != set(wanted):
         message = f"law {name} takes {', '.join(wanted) or 'no parameters'}; got {', '.join(parameters) or 'none'}"
         raise InputError(message, place)
-    found: list[Measured] = law(frames, **parameters)
+    for key, kind in wanted.items():
+        if not _fits(parameters[key], kind):
+            expected = "a number" if kind is float else f"one of {', '.join(get_args(kind))}"
+            message = f"law {name}: {key} must be {expected}, got {parameters[key]!r}"
+            raise InputError(message, place)
+
+
+def _parameters(name: str) -> dict[str, Any]:
+    """Parameter -> its annotation: float, or a Literal of texts."""
+    function = import_module(f"{__name__}.{name}").measure
+    hints = get_type_hints(function)
+    return {key: hints[key] for key in tuple(inspect.signature(function).parameters)[1:]}
+
+
+def _fits(value: Any, kind: Any) -> bool:
+    if kind is float:
+        return isinstance(value, int | float) and not isinstance(value, bool) and isfinite(value)
+    return value in get_args(kind)
+
+
+def measure(name: str, frames: Sequence[Frame], parameters: Mapping[str, Any], place: Place) -> list[Measured]:
+    """Applies a law. Raises InputError as `check` does, and for frames that the law cannot read: too few particles, nothing that moves."""
+    check(name, parameters, place)
+    law = import_module(f"{__name__}.{name}").measure
+    try:
+        found: list[Measured] = law(frames, **parameters)
+    except (LookupError, ArithmeticError) as error:
+        message = f"law {name} does not fit this case: {type(error).__name__}: {error}"
+        raise InputError(message, place) from None
     return found

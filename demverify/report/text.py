@@ -36,6 +36,8 @@ def print_comparison(report: Report, page: Path) -> None:
     console.print()
     for reason in list(dict.fromkeys(c.reason for c in report.checks if c.outcome in ("fail", "crashed") and c.reason))[:3]:
         console.print(f"  {reason}", markup=False)
+    for reason in dict.fromkeys(c.reason for c in report.checks if (c.outcome, c.quantity) == ("skipped", "all")):
+        console.print(f"  {reason}", markup=False)
     console.print(f"verdict: {'[green]pass[/]' if report.verdict == 'pass' else '[red]fail[/]'}. {summary(report.checks)}")
     console.print(f"report: {page}")
 
@@ -47,15 +49,10 @@ def _console() -> Console:
 
 
 def print_run(run: Run) -> None:
-    """One engine's run and its files."""
+    """What a run that went well did, and where its files are."""
     console, outcome = _console(), run.outcome
-    if outcome.status == "ok":
-        console.print(
-            f"{outcome.engine} {outcome.version}: {outcome.steps} steps of {outcome.n} particles in {outcome.wall_s:.1f} s"
-        )
-        console.print(f"files: {outcome.folder}", soft_wrap=True)
-    else:
-        console.print(f"{outcome.engine} {outcome.status}: {outcome.reason}", markup=False, soft_wrap=True)
+    console.print(f"{outcome.engine} {outcome.version}: {outcome.steps} steps of {outcome.n} particles in {outcome.wall_s:.1f} s")
+    console.print(f"files: {outcome.folder}", soft_wrap=True)
 
 
 def print_doctor(rows: Sequence[Mapping[str, str]]) -> None:

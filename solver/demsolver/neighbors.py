@@ -17,6 +17,7 @@ from demsolver.state import Bodies, Floats, Ints, Pairs, selected
 
 SHIFTS: Ints = np.array([[a, b, c] for a in (-1, 0, 1) for b in (-1, 0, 1) for c in (-1, 0, 1)])
 HOME = 13  # row of SHIFTS that is (0, 0, 0)
+MOST_CELLS = 1 << 20  # along an axis, so that a cell's number fits an int64
 
 
 def empty_pairs(n: int, columns: int) -> Pairs:
@@ -57,14 +58,12 @@ def build(scene: Scene, bodies: Bodies, box_lo: Floats, box_hi: Floats, columns:
     owner, shift = images(bodies.x, box_lo, box_hi, scene.box.periodic, reach)
     places = bodies.x[owner] + SHIFTS[shift] * (box_hi - box_lo)
     low = places.min(axis=0)
-    size = max(reach, float(np.max(places.max(axis=0) - low)) / 256.0) * (1.0 + 1e-12)
-    grid = np.maximum(1, np.ceil((places.max(axis=0) - low) / size)).astype(np.int64)
-    cell = np.minimum(((places - low) / size).astype(np.int64), grid - 1)
-    flat = (cell[:, 2] * grid[1] + cell[:, 1]) * grid[0] + cell[:, 0]
-    order = np.argsort(flat, kind="stable")
-    starts = np.searchsorted(flat[order], np.arange(int(np.prod(grid)) + 1))
+    size = max(reach, float(np.max(places.max(axis=0) - low)) / MOST_CELLS) * (1.0 + 1e-12)
+    cell = ((places - low) / size).astype(np.int64) + 1
+    keys = _key(cell[:, 0], cell[:, 1], cell[:, 2])
+    order = np.argsort(keys, kind="stable")
     excluded, classes = exclusions(scene, bodies.mask, bodies.kind)
-    first, partner, shifts = _rows(n, places, owner, shift, cell, grid, order, starts, bodies.radius, skin, excluded, classes)
+    first, partner, shifts = _rows(n, places, owner, shift, cell, keys[order], order, bodies.radius, skin, excluded, classes)
     m = len(partner)
     return Pairs(first, partner, shifts, np.zeros(m, dtype=np.uint8), np.zeros((m, columns)))
 
@@ -106,19 +105,29 @@ def exclusions(scene: Scene, mask: Ints, kind: Ints) -> tuple[NDArray[np.bool_],
     return table, classes.ravel()
 
 
+@njit(error_model="numpy")  # type: ignore[untyped-decorator]
+def _key(x, y, z):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+    """One number a cell; cells of a row along x follow one another."""
+    return (z * (MOST_CELLS + 3) + y) * (MOST_CELLS + 3) + x
+
+
 @njit(cache=True, error_model="numpy")  # type: ignore[untyped-decorator]
-def _rows(n, places, owner, shift, cell, grid, order, starts, radius, skin, excluded, classes):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+def _rows(n, places, owner, shift, cell, keys, order, radius, skin, excluded, classes):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+    """Rows of pairs; only cells that hold something are stored, so that an empty space costs nothing."""
     first = np.zeros(n + 1, dtype=np.int64)
     partner = np.empty(8 * n + 16, dtype=np.int64)
     code = np.empty(8 * n + 16, dtype=np.int64)
     m = 0
     for i in range(n):
         first[i] = m
-        for cz in range(max(0, cell[i, 2] - 1), min(grid[2], cell[i, 2] + 2)):
-            for cy in range(max(0, cell[i, 1] - 1), min(grid[1], cell[i, 1] + 2)):
-                row = (cz * grid[1] + cy) * grid[0]
-                for q in range(starts[row + max(0, cell[i, 0] - 1)], starts[row + min(grid[0], cell[i, 0] + 2)]):
+        cx, cy, cz = cell[i, 0], cell[i, 1], cell[i, 2]
+        for dz in range(-1, 2):
+            for dy in range(-1, 2):
+                last = _key(cx + 1, cy + dy, cz + dz)
+                q = np.searchsorted(keys, last - 2)
+                while q < len(keys) and keys[q] <= last:
                     g = order[q]
+                    q += 1
                     j = owner[g]
                     if (shift[g] == HOME and j <= i) or excluded[classes[i], classes[j]]:
                         continue

@@ -9,7 +9,7 @@ import inspect
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache
-from math import inf, sqrt
+from math import sqrt
 from typing import Any
 
 import numpy as np
@@ -98,8 +98,8 @@ def _pair_touch(scene: Scene, law: ContactLaw, i: int, j: int, x: Floats, v: Flo
 
 
 def _nearest(box: Box, d: Floats) -> Floats:
-    size = np.where(box.periodic, box.hi - box.lo, inf)
-    return np.where(box.periodic, d - size * np.round(d / size), d) if any(box.periodic) else d
+    size = box.hi - box.lo
+    return np.where(box.periodic, d - size * np.round(d / size), d)
 
 
 def _pair_mass(scene: Scene, i: int, j: int) -> float:

@@ -20,11 +20,16 @@ Arm = Literal["radius", "contact"]
 
 @dataclass(frozen=True)
 class Box:
-    """An orthogonal box. `lo`, `hi`: (3,) lengths. `boundary`: per axis two letters of p f s m, lower face first ("pp", "fs")."""
+    """An orthogonal box. `lo`, `hi`: (3,) lengths. `boundary`: per axis two letters of p f s m, lower face first ("pp", "fs").
+
+    margin: (3,) how far shrink-wrapped faces keep off the outermost centre; None for 1e-4 of the box, as LAMMPS takes it of the box
+    that the deck names and then keeps.
+    """
 
     lo: Floats
     hi: Floats
     boundary: tuple[str, str, str] = ("pp", "pp", "pp")
+    margin: Floats | None = None
 
     @property
     def periodic(self) -> tuple[bool, bool, bool]:

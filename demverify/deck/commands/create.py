@@ -86,7 +86,9 @@ def read_data(deck: Interpreter, cmd: Command) -> None:
             extra = cmd.integer("extra/atom/types", 0)
     path = deck.find_file(name)
     if not path.is_file():
-        raise cmd.error(f"the file {name!r} does not exist (looked for {path})")
+        packed = path.with_name(f"{path.name}.gz")
+        hint = f"; {packed.name} does: unpack it (gunzip -k)" if packed.is_file() else ""  # LAMMPS does not look for it either
+        raise cmd.error(f"the file {name!r} does not exist (looked for {path}){hint}")
     data = read_data_file(path)
     ntypes = data.ntypes + extra
     if ntypes < 1:

@@ -94,7 +94,7 @@ def _range(cmd: Command, column: Ints) -> Bools:
     """One value, or first:last, or first:last:step."""
     word = cmd.take("a value")
     parts = word.split(":")
-    if len(parts) > 3 or not all(part.lstrip("-").isdigit() for part in parts):
+    if len(parts) > 3 or not all(part.lstrip("-").isdecimal() for part in parts):
         raise cmd.error(f"expects a value, first:last or first:last:step, got {word!r}")
     first, last, step = int(parts[0]), int(parts[min(1, len(parts) - 1)]), int(parts[2]) if len(parts) == 3 else 1
     if first > last or step < 1:

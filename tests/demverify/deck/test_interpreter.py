@@ -118,6 +118,7 @@ def test_after_a_dry_run_moving_values_are_refused(run_deck: Run) -> None:
         ("in.chute.liggghts", "units si\n", "liggghts"),
         ("in.lammps", "communicate single vel yes\n", "lammps"),
         ("in.a", "atom_style granular\n", "liggghts"),
+        ("in.insert_property_lammps", "atom_style granular\n", "liggghts"),
         ("in.a", "units si\npair_style gran model hertz\n", "liggghts"),
         ("in.a", "fix m all property/global kn peratomtypepair 1 5\n", "liggghts"),
         ("in.a", "fix m all wall/gran model hertz primitive type 1 zplane 0\n", "liggghts"),
@@ -143,25 +144,3 @@ def test_includes_that_never_end_are_refused(run_deck: Run) -> None:
     """A file that includes itself."""
     with pytest.raises(InputError, match="more than 16 files include each other"):
         run_deck("include in.deck\n")
-
-
-def test_the_benchmark_decks_are_read(tmp_path: Path) -> None:
-    """Both decks of LAMMPS' chute benchmark, where the data is at hand: 32,000 grains of diameter 1 and density 1."""
-    bench = Path("/work/shared/data/lammps-bench")
-    if not bench.is_dir():
-        pytest.skip("no shared data here")
-    import gzip
-
-    (tmp_path / "data.chute").write_bytes(gzip.decompress((bench / "data.chute.gz").read_bytes()))
-    (tmp_path / "data.chute.liggghts").write_bytes(gzip.decompress((bench / "data.chute.gz").read_bytes()))
-    for name in ("in.chute", "in.chute.liggghts"):
-        path = tmp_path / name
-        path.write_text((bench / name).read_text())
-        deck = Interpreter(detect_dialect(path), {"nsteps": ["100"]})
-        setup = deck.run_deck(path)
-        assert setup.atoms is not None
-        assert setup.atoms.n == 32000
-        assert setup.atoms.mass == pytest.approx(math.pi / 6, rel=1e-15)
-        assert isinstance(deck.backend, DryBackend)
-        assert deck.backend.runs[0].steps == 100
-        assert deck.backend.runs[0].scene.neighbor.exclude == ((1, 1),)

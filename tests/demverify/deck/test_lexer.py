@@ -90,17 +90,24 @@ def test_wrong_quotes_are_refused(text: str, line: int, fault: str) -> None:
     assert str(caught.value).startswith(f"in.deck:{line}: {fault}")
 
 
+def test_a_comment_may_hold_any_byte(tmp_path: Path) -> None:
+    """Engines take any encoding in a comment, and public decks hold Latin-1: it is read as they read it."""
+    path = tmp_path / "in.x"
+    path.write_bytes(b"# caf\xe9\nunits si\n")
+    assert [line.text for line in read_deck(path)] == ["units si"]
+
+
 @pytest.mark.parametrize(
     ("data", "message"),
     [
         (b"units si\nrun \x001\n", ":2: expected a text file, found a binary one"),
-        (b"units si\n# caf\xe9\n", ":2: expected UTF-8 text, found the byte 0xe9"),
+        (b"units si\n\x89PNG\x1a\n", ":2: expected a text file, found a binary one"),
         (b"", ": the deck is empty: it holds no command"),
         (b"# nothing\n\n", ": the deck is empty: it holds no command"),
     ],
 )
 def test_what_is_no_deck_is_refused(data: bytes, message: str, tmp_path: Path) -> None:
-    """A binary file, other encodings and an empty deck give one line with the file."""
+    """A binary file and an empty deck give one line with the file."""
     path = tmp_path / "in.x"
     path.write_bytes(data)
     with pytest.raises(InputError) as caught:

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.support.engines import unavailable
 from demverify.engines import ENGINES
 from demverify.engines.base import Job, Missing, Outcome
 
@@ -66,7 +67,7 @@ def run(tmp_path: Path) -> Run:
     def go(engine: str, deck: Path, **options: object) -> Outcome:
         found = ENGINES[engine].find()
         if isinstance(found, Missing):
-            pytest.skip(str(found))
+            unavailable(str(found))
         progress = options.pop("progress", None)
         folder = options.pop("folder", tmp_path / "out")
         job = Job(deck, folder, **{"timeout_s": 60.0, **options})  # type: ignore[arg-type]

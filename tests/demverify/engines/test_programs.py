@@ -231,7 +231,7 @@ def test_a_stray_library_path_does_not_reach_liggghts(write, run, monkeypatch):
     """With MPICH's folder first on the loader's path, LIGGGHTS still loads its own MPI and runs."""
     monkeypatch.setenv("LD_LIBRARY_PATH", str(lammps.library_folder()))
     assert run("liggghts", write("liggghts", "run 1\n")).status == "ok"
-    assert str(lammps.library_folder()) not in liggghts._environment()["LD_LIBRARY_PATH"]
+    assert str(lammps.library_folder()) not in liggghts._environment(Path())["LD_LIBRARY_PATH"]
 
 
 @pytest.mark.lammps
