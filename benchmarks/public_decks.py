@@ -40,23 +40,28 @@ def judge(deck: Path) -> tuple[bool, str]:
     try:
         known = plan(deck, {})
     except InputError as error:
-        return False, str(error).replace(f"{deck}", deck.name).splitlines()[0]
+        return False, brief(str(error).replace(f"{deck}", deck.name))
     if not known.runs:
         return False, "no run command: a part of another deck"
     more = "" if known.whole else " and more that depend on its own results"
     return True, f"{known.dialect}: {known.particles} particles, {known.steps} steps{more}"
 
 
+def brief(message: str) -> str:
+    """The message up to the list of what is supported."""
+    return re.split(r"; supported|; defined| is not one of| \(looked for", message.splitlines()[0])[0]
+
+
 def cause(reason: str) -> str:
-    """What a refusal is about, for the count: its message up to the list of what is supported."""
-    return re.sub(r"^[^:]+:\d+: ", "", reason).partition("; supported")[0].partition(" is not one of")[0]
+    """What a refusal is about, for the count: without file and line."""
+    return re.sub(r"^\S+:\d+: ", "", reason)
 
 
 def main(folders: list[str]) -> None:
     """Prints the survey."""
     found = [(deck, *judge(deck)) for deck in granular_decks(Path(folder) for folder in folders)]
     for deck, runs, reason in found:
-        print(f"{'runs   ' if runs else 'refused'}  {deck}  {reason[:200]}")
+        print(f"{'runs   ' if runs else 'refused'}  {deck}  {reason}")
     print(f"\n{sum(runs for _, runs, _ in found)} of {len(found)} decks run")
     for what, count in Counter(cause(reason) for _, runs, reason in found if not runs).most_common():
         print(f"{count:5d}  {what}")

@@ -91,9 +91,6 @@ def run(
     from demverify.verify import engine_info
 
     (name,) = _engines([engine]) or ("native",)
-    if not deck.is_file():
-        message = f"there is no deck {deck}"
-        raise InputError(message)
     variables = _variables(var)
     _check(json)
     job = Job(deck, out, variables, output_interval(deck, variables, name), timeout, ranks, threads)

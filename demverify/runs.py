@@ -74,6 +74,16 @@ class _Checking(DryBackend):
         super().run(setup, steps)
         self.runs[-1].scene  # noqa: B018  (building it checks it)
 
+    def value(self, setup: Setup, keyword: str) -> float:
+        """As DryBackend; NeedsRun only for what a run of the native engine will know."""
+        from demverify.engines._outputs import check_keyword
+
+        try:
+            return super().value(setup, keyword)
+        except NeedsRun:
+            check_keyword(setup, keyword)
+            raise
+
 
 def plan(deck: Path, variables: Mapping[str, Sequence[str]]) -> Plan:
     """Reads a deck and checks it whole, scenes of its runs included. Raises InputError for a deck that is wrong or not supported."""

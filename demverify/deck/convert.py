@@ -20,6 +20,7 @@ from demverify.formats.atomic import atomic_write, check_writable
 from demverify.formats.data_file import write_data
 
 if TYPE_CHECKING:
+    from demsolver.scene import ContactLaw
     from demverify.runs import Plan
 
 WATCHING = ("dump", "dump_modify", "undump", "fix", "unfix")  # left out where the reader did: the other engine may not know the style
@@ -82,6 +83,8 @@ class _Translator:
         self.ntypes = self.setup.ntypes
         self.wall_types: list[int] = []
         self.tables: list[laws.Table] = []
+        self.pair: ContactLaw | None = None
+        self.walls: list[ContactLaw] = []
         if target == "liggghts":
             self._type_walls()
         self.handover = self.ntypes > self.setup.ntypes or any(_draws(e) or e.words[0] == "read_data" for e in plan.interpreter.executed)
@@ -93,8 +96,8 @@ class _Translator:
         for executed in self.plan.interpreter.executed:
             for line in self._one(executed) if executed not in left_out else ():
                 lines.append(line)
-                if line != executed.text.strip() and not line.startswith("#"):
-                    self.rows.append((f"{executed.place.line}: {executed.text.strip()}", line, ""))
+                if line.split() != executed.text.split():
+                    self.rows.append((f"{executed.place.line}: {' '.join(executed.text.split())}", line, ""))
         return Conversion(self.target, tuple(lines), self.ntypes, self.handover, tuple(self.rows))
 
     def _one(self, executed: Executed) -> Iterator[str]:
@@ -120,16 +123,20 @@ class _Translator:
             yield f"read_data {self.data_name}"
 
     def _type_walls(self) -> None:
-        """LIGGGHTS: tables of the pair law, widened where a wall has a law of its own."""
-        pair = self.scene.pair
-        walls = [laws.liggghts_tables(self._plain(wall.law)) for wall in self.scene.walls]
-        start = laws.liggghts_tables(self._plain(pair)) if pair else []
-        self.tables, self.wall_types = laws.with_wall_types(start, walls, self.ntypes, self.place)
+        """LIGGGHTS: tables of the pair law, widened where a wall has a law of its own, and the type of every wall."""
+        pair, particles = self.scene.pair, self.scene.particles
+        self.pair = laws.absolute(pair, particles, wall=False) if pair else None
+        self.walls = [laws.absolute(wall.law, particles, wall=True) for wall in self.scene.walls]
+        for law in filter(None, [self.pair, *self.walls]):
+            laws.liggghts_style(law, self.place)
+        if self.pair and laws.is_material(self.pair):
+            self.tables = laws.material_tables(self.pair, self.place)
+            self.wall_types = laws.material_wall_types(self.pair, self.walls, self.place)
+            return
+        start = laws.liggghts_tables(self.pair) if self.pair else []
+        tables = [laws.liggghts_tables(wall) for wall in self.walls]
+        self.tables, self.wall_types = laws.with_wall_types(start, tables, self.ntypes, self.place)
         self.ntypes = max([self.ntypes, *self.wall_types])
-
-    def _plain(self, law: laws.ContactLaw) -> laws.ContactLaw:
-        laws.liggghts_style(law, self.place)
-        return law
 
     def _atom_style(self, words: tuple[str, ...]) -> Iterator[str]:
         if self.target == "lammps":
@@ -146,9 +153,20 @@ class _Translator:
             yield "pair_style granular"
             yield from laws.lammps_pair_coeffs(law, self.scene.particles, self.setup.ntypes, self.place)
         else:
+            assert self.pair is not None
+            yield from self._limits()
             yield from laws.property_lines(self.tables)
-            yield f"pair_style gran {laws.liggghts_style(law, self.place)}"
+            yield f"pair_style gran {laws.liggghts_style(self.pair, self.place)}"
             yield "pair_coeff * *"
+
+    def _limits(self) -> Iterator[str]:
+        """LIGGGHTS refuses Young's moduli outside 5e6 to 1e9 Pa unless told."""
+        young = next((table.values for table in self.tables if table.name == "youngsModulus"), None)
+        if young is not None and self.setup.units == "si":
+            if young.min() < 5e6:
+                yield "soft_particles yes"
+            if young.max() > 1e9:
+                yield "hard_particles yes"
 
     def _fix(self, words: tuple[str, ...]) -> Iterator[str]:
         style = words[3]
@@ -173,7 +191,7 @@ class _Translator:
         if self.target == "lammps":
             yield f"{head} {laws.lammps_wall(wall, self.scene.particles, self.place)}"
             return
-        for k, text in enumerate(laws.liggghts_walls(wall, laws.liggghts_style(wall.law, self.place), self.wall_types[index])):
+        for k, text in enumerate(laws.liggghts_walls(wall, laws.liggghts_style(self.walls[index], self.place), self.wall_types[index])):
             yield f"{head} {text}" if k == 0 else f"fix {words[1]}_{k} {words[2]} wall/gran {text}"
 
     def _compute(self, words: tuple[str, ...]) -> Iterator[str]:

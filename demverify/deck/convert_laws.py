@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from math import exp, pi, sqrt
 from typing import NamedTuple
 
@@ -22,8 +23,83 @@ class Table(NamedTuple):
     values: np.ndarray  # type: ignore[type-arg]
 
 
+def absolute(law: ContactLaw, particles: Particles, *, wall: bool) -> ContactLaw:
+    """A linear spring whose dashpot follows from restitution and mass, as the plain dashpot it is where all spheres of a type are of one
+    size; any other law as it is."""
+    if (law.normal, law.damping) != ("hooke", "fraction"):
+        return law
+    kn, fraction = law.coefficients["kn"], law.coefficients["damping_fraction"]
+    gamman = np.zeros_like(kn)
+    for index in np.ndindex(kn.shape):
+        types = tuple(k + 1 for k in index)
+        sizes = _sizes(particles, types, wall=wall)
+        if sizes is None:
+            return law
+        gamman[index] = fraction[index] * np.sqrt(sizes[1] * kn[index])
+    kept = {name: table for name, table in law.coefficients.items() if name != "damping_fraction"}
+    return replace(law, damping="velocity", coefficients={**kept, "gamman": gamman})
+
+
+def is_material(law: ContactLaw) -> bool:
+    """Whether LIGGGHTS says this law as `model hertz`, with Young's modulus, Poisson's ratio and restitution."""
+    return (law.normal, law.damping) == ("hertz", "fraction")
+
+
+def material_tables(law: ContactLaw, place: Place | None) -> list[Table]:
+    """youngsModulus and poissonsRatio per type, coefficientRestitution and coefficientFriction per pair, of a hertz law.
+
+    From the like pairs: G*/E* = (1 - nu)/(2 (2 - nu)), E = 2 (1 - nu^2) E*. Raises InputError where unlike pairs are not of these
+    materials, or the tangential damping is not LIGGGHTS'.
+    """
+    young_star, tangential = law.coefficients["kn"] * 0.75, law.friction != "none" and "shear_stiffness" in law.coefficients
+    shear_star = law.coefficients["shear_stiffness"] / 8.0 if tangential else young_star * 7.0 / 34.0  # nu = 0.3 where it does not matter
+    ratio = np.diag(shear_star) / np.diag(young_star)
+    nu = (1.0 - 4.0 * ratio) / (1.0 - 2.0 * ratio)
+    young = 2.0 * (1.0 - nu**2) * np.diag(young_star)
+    soft, sheared = (1.0 - nu**2) / young, 2.0 * (2.0 - nu) * (1.0 + nu) / young
+    expected = 1.0 / np.add.outer(soft, soft), 1.0 / np.add.outer(sheared, sheared)
+    if (nu < 0.0).any() or (nu > 0.5).any() or not all(np.allclose(a, b, rtol=1e-9) for a, b in zip((young_star, shear_star), expected, strict=True)):
+        message = "stiffnesses that no Young's moduli and Poisson's ratios give, which is all that LIGGGHTS' model hertz takes; write the LIGGGHTS deck by hand"
+        raise InputError(message, place)
+    b = law.coefficients["damping_fraction"] / sqrt(5.0)
+    restitution = np.exp(-pi * b / np.sqrt(1.0 - b * b))
+    tables = [Table("youngsModulus", young), Table("poissonsRatio", nu), Table("coefficientRestitution", restitution)]
+    return tables + ([Table("coefficientFriction", law.coefficients["mu"])] if law.friction != "none" else [])
+
+
+def _tangential_switch(law: ContactLaw, place: Place | None) -> list[str]:
+    """LIGGGHTS' hertz damps tangentially by sqrt(4 G*/E*) times the normal dashpot, or not at all."""
+    if law.friction == "none" or law.tangential_damping == "fraction":
+        return []
+    xt = law.coefficients["xt"] if law.tangential_damping == "scaled" else 0.0 * law.coefficients["kn"]
+    if not xt.any() or not law.coefficients["damping_fraction"].any():
+        return ["tangential_damping off"]
+    own = np.sqrt(law.coefficients["shear_stiffness"] / (1.5 * law.coefficients["kn"])) if "shear_stiffness" in law.coefficients else np.inf
+    if np.allclose(xt, own, rtol=1e-9):
+        return []
+    message = f"tangential damping xt = {float(xt.flat[0]):g}: LIGGGHTS' model hertz has {float(np.ravel(own)[0]):g} or none; write the LIGGGHTS deck by hand"
+    raise InputError(message, place)
+
+
+def material_wall_types(pair: ContactLaw, walls: list[ContactLaw], place: Place | None) -> list[int]:
+    """The type of each wall: that whose column in the pair's tables is the wall's law. Raises InputError where there is none."""
+    types = []
+    for wall in walls:
+        columns = range(len(pair.coefficients["kn"]))
+        shared = set(pair.coefficients) & set(wall.coefficients)
+        same = [k for k in columns if all(np.allclose(pair.coefficients[c][:, k], wall.coefficients[c], rtol=1e-9) for c in shared)]
+        if not same or not is_material(wall):
+            message = "a wall of another material than the particles; write the LIGGGHTS deck by hand"
+            raise InputError(message, place)
+        types.append(same[0] + 1)
+    return types
+
+
 def liggghts_style(law: ContactLaw, place: Place | None) -> str:
     """`model ... tangential ... switches` of a LAMMPS law. Raises InputError for a law LIGGGHTS does not have."""
+    if is_material(law):
+        switches = [*_tangential_switch(law, place), *(["limitForce on"] * law.limit_damping)]
+        return " ".join(["model hertz tangential", FRICTION[law.friction], *switches])
     model = PLAIN.get((law.normal, law.damping))
     if model is None:
         message = (
@@ -79,18 +155,27 @@ def property_lines(tables: list[Table]) -> Iterator[str]:
     """`fix ... property/global` lines."""
     for table in tables:
         numbers = " ".join(f"{value:.17g}" for value in table.values.ravel())
-        yield f"fix property_{table.name} all property/global {table.name} peratomtypepair {len(table.values)} {numbers}"
+        kind = "peratomtype" if table.values.ndim == 1 else f"peratomtypepair {len(table.values)}"
+        yield f"fix property_{table.name} all property/global {table.name} {kind} {numbers}"
 
 
 def liggghts_walls(wall: Wall, style: str, kind: int) -> Iterator[str]:
     """One `fix wall/gran` a plane."""
     axis = "xyz"[wall.shape.axis]
     if isinstance(wall.shape, Cylinder):
-        yield f"{style.replace('tangential', 'tangential', 1)} primitive type {kind} {axis}cylinder {wall.shape.radius:.17g} 0 0"
+        model, switches = _before_switches(style)
+        yield f"{model} primitive type {kind} {axis}cylinder {wall.shape.radius:.17g} 0 0 {switches}".rstrip()
         return
     for place in (wall.shape.lo, wall.shape.hi):
         if np.isfinite(place):
-            yield f"{style} primitive type {kind} {axis}plane {place:.17g}"
+            model, switches = _before_switches(style)
+            yield f"{model} primitive type {kind} {axis}plane {place:.17g} {switches}".rstrip()
+
+
+def _before_switches(style: str) -> tuple[str, str]:
+    """`model M tangential T` and what follows: a wall's shape stands between them."""
+    words = style.split()
+    return " ".join(words[:4]), " ".join(words[4:])
 
 
 def lammps_pair_coeffs(law: ContactLaw, particles: Particles, ntypes: int, place: Place | None) -> Iterator[str]:
@@ -176,15 +261,15 @@ NORMALS: dict[tuple[str, str], Callable[..., Form]] = {
 }
 
 
-def _sizes(p: Particles, types: tuple[int, ...]) -> tuple[float, float] | None:
-    """(reff, meff) if every contact of these two types (none given: of any particle with a wall) has the same, else None."""
+def _sizes(p: Particles, types: tuple[int, ...], *, wall: bool = False) -> tuple[float, float] | None:
+    """(reff, meff) if every contact of these two types has the same, or with a wall that of this type (none given: of any); else None."""
     chosen = [p.type == t for t in types] or [np.ones(len(p.id), dtype=bool)]
     radii, masses = ([np.unique(values[mask]) for mask in chosen] for values in (p.radius, p.mass))
     if any(len(values) > 1 for values in [*radii, *masses]):
         return None
     if any(len(values) == 0 for values in radii):
         return 1.0, 1.0  # no such particle: the numbers are never used
-    if not types:
+    if wall or not types:
         return float(radii[0][0]), float(masses[0][0])
     (r1,), (r2,), (m1,), (m2,) = (v.tolist() for v in (*radii, *masses))
     return r1 * r2 / (r1 + r2), m1 * m2 / (m1 + m2)

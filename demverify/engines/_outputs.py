@@ -22,7 +22,7 @@ def check_outputs(setup: Setup) -> None:
     place, keywords = setup.thermo.place, keywords_of(setup)
     ThermoTable(keywords, setup.dialect, thermo_formats(setup.thermo), place)
     for keyword in keywords:
-        _check_keyword(setup, keyword, place)
+        check_keyword(setup, keyword, place)
     for compute in setup.computes.values():
         if compute.style == "reduce":
             _check_reduce(compute)
@@ -37,7 +37,8 @@ def keywords_of(setup: Setup) -> tuple[str, ...]:
     return thermo_keywords(setup.thermo, setup.dialect, box_changes=changes)
 
 
-def _check_keyword(setup: Setup, keyword: str, place: Place | None) -> None:
+def check_keyword(setup: Setup, keyword: str, place: Place | None = None) -> None:
+    """Raises InputError for a name that no run gives a value, in a thermo table or a formula."""
     if keyword.startswith("v_"):
         with suppress(NeedsRun):  # what only the run knows it will tell
             setup.variables.exact(keyword[2:], place)
@@ -50,13 +51,13 @@ def _check_keyword(setup: Setup, keyword: str, place: Place | None) -> None:
 
 def _check_compute(setup: Setup, name: str, index: int, place: Place | None) -> None:
     if name not in setup.computes:
-        message = f"thermo column c_{name}: compute {name!r} is not one of {', '.join(setup.computes) or 'none'}"
+        message = f"c_{name}: compute {name!r} is not one of {', '.join(setup.computes) or 'none'}"
         raise InputError(message, place)
     compute = setup.computes[name]
     values = len(compute.args) - 1 if compute.style == "reduce" else 1
     if values > 0 and ((values == 1) != (index == 0) or index > values):
         expected = f"c_{name}" if values == 1 else f"c_{name}[1] to c_{name}[{values}]"
-        message = f"thermo column c_{name}{f'[{index}]' * bool(index)}: this compute has {expected}"
+        message = f"c_{name}{f'[{index}]' * bool(index)}: this compute has {expected}"
         raise InputError(message, place)
 
 

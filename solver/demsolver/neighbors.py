@@ -63,7 +63,11 @@ def build(scene: Scene, bodies: Bodies, box_lo: Floats, box_hi: Floats, columns:
     keys = _key(cell[:, 0], cell[:, 1], cell[:, 2])
     order = np.argsort(keys, kind="stable")
     excluded, classes = exclusions(scene, bodies.mask, bodies.kind)
-    first, partner, shifts = _rows(n, places, owner, shift, cell, keys[order], order, bodies.radius, skin, excluded, classes)
+    sorted_owner = owner[order]
+    first, partner, shifts = _rows(
+        n, bodies.x, bodies.radius, cell, keys[order], places[order], sorted_owner, shift[order], bodies.radius[sorted_owner], skin, excluded,
+        classes,
+    )  # fmt: skip
     m = len(partner)
     return Pairs(first, partner, shifts, np.zeros(m, dtype=np.uint8), np.zeros((m, columns)))
 
@@ -96,11 +100,11 @@ def exclusions(scene: Scene, mask: Ints, kind: Ints) -> tuple[NDArray[np.bool_],
     rules += [(kind == a - 1, kind == b - 1) for a, b in scene.neighbor.exclude_types]
     if not rules:
         return np.zeros((1, 1), dtype=bool), np.zeros(len(mask), dtype=np.int64)
-    members = np.column_stack([column for rule in rules for column in rule])
-    kinds, classes = np.unique(members, axis=0, return_inverse=True)
-    table = np.zeros((len(kinds), len(kinds)), dtype=bool)
+    code = sum(member.astype(np.int64) << bit for bit, member in enumerate(column for rule in rules for column in rule))
+    patterns, classes = np.unique(code, return_inverse=True)
+    table = np.zeros((len(patterns), len(patterns)), dtype=bool)
     for r in range(len(rules)):
-        a, b = kinds[:, 2 * r], kinds[:, 2 * r + 1]
+        a, b = (patterns >> 2 * r) & 1 == 1, (patterns >> 2 * r + 1) & 1 == 1
         table |= np.outer(a, b) | np.outer(b, a)
     return table, classes.ravel()
 
@@ -111,36 +115,47 @@ def _key(x, y, z):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
     return (z * (MOST_CELLS + 3) + y) * (MOST_CELLS + 3) + x
 
 
+@njit(error_model="numpy")  # type: ignore[untyped-decorator]
+def _first_from(keys, wanted):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+    """First position whose key is not below `wanted`."""
+    low, high = 0, len(keys)
+    while low < high:
+        middle = (low + high) >> 1
+        if keys[middle] < wanted:
+            low = middle + 1
+        else:
+            high = middle
+    return low
+
+
 @njit(cache=True, error_model="numpy")  # type: ignore[untyped-decorator]
-def _rows(n, places, owner, shift, cell, keys, order, radius, skin, excluded, classes):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
-    """Rows of pairs; only cells that hold something are stored, so that an empty space costs nothing."""
+def _rows(n, x, radius, cell, keys, places, owner, shift, owner_radius, skin, excluded, classes):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+    """Rows of pairs. keys, places, owner, shift, owner_radius: of particles and images in the order of their cells; only cells that
+    hold something are stored, so that empty space costs nothing."""
     first = np.zeros(n + 1, dtype=np.int64)
     partner = np.empty(8 * n + 16, dtype=np.int64)
     code = np.empty(8 * n + 16, dtype=np.int64)
+    sieve = excluded.shape[0] > 1
     m = 0
     for i in range(n):
         first[i] = m
-        cx, cy, cz = cell[i, 0], cell[i, 1], cell[i, 2]
+        xi, yi, zi, ri = x[i, 0], x[i, 1], x[i, 2], radius[i] + skin
         for dz in range(-1, 2):
             for dy in range(-1, 2):
-                last = _key(cx + 1, cy + dy, cz + dz)
-                q = np.searchsorted(keys, last - 2)
+                last = _key(cell[i, 0] + 1, cell[i, 1] + dy, cell[i, 2] + dz)
+                q = _first_from(keys, last - 2)
                 while q < len(keys) and keys[q] <= last:
-                    g = order[q]
+                    dx, ey, ez = xi - places[q, 0], yi - places[q, 1], zi - places[q, 2]
+                    if dx * dx + ey * ey + ez * ez < (ri + owner_radius[q]) ** 2:
+                        j = owner[q]
+                        if not ((shift[q] == HOME and j <= i) or (sieve and excluded[classes[i], classes[j]])):
+                            if m == len(partner):
+                                partner = np.concatenate((partner, np.empty_like(partner)))
+                                code = np.concatenate((code, np.empty_like(code)))
+                            partner[m] = j
+                            code[m] = shift[q]
+                            m += 1
                     q += 1
-                    j = owner[g]
-                    if (shift[g] == HOME and j <= i) or excluded[classes[i], classes[j]]:
-                        continue
-                    square = 0.0
-                    for c in range(3):
-                        square += (places[i, c] - places[g, c]) ** 2
-                    if square < (radius[i] + radius[j] + skin) ** 2:
-                        if m == len(partner):
-                            partner = np.concatenate((partner, np.empty_like(partner)))
-                            code = np.concatenate((code, np.empty_like(code)))
-                        partner[m] = j
-                        code[m] = shift[g]
-                        m += 1
     first[n] = m
     return first, partner[:m].copy(), code[:m].copy()
 

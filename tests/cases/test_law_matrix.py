@@ -33,8 +33,8 @@ def job_id(job: tuple[str, State]) -> str:
 @pytest.fixture(scope="module")
 def futures(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Measured]:
     """(law, state) -> its measurement, for all that this session asks for: they run side by side while the tests wait in turn."""
-    parameters = [item.callspec.params for item in request.session.items if hasattr(item, "callspec")]
-    wanted = [found["job"] for found in parameters if "job" in found]
+    here = [item.callspec.params for item in request.session.items if item.path == request.path and hasattr(item, "callspec")]
+    wanted = [parameters["job"] for parameters in here if "job" in parameters]
     with measured(dict.fromkeys(wanted), tmp_path_factory.mktemp("laws")) as found:
         yield found
 

@@ -1,0 +1,59 @@
+"""Every case folder of inputs/: both decks in every engine, judged, and held against its closed forms."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from demverify import register
+from demverify.cases import load_case
+from demverify.compare import TIER1, TIER2, verdict
+from demverify.verify import Settings, compare_case
+from tests.support.engines import require_lammps, require_liggghts
+
+INPUTS = Path(__file__).parents[2] / "inputs"
+CASES = sorted(folder.name for folder in INPUTS.iterdir() if (folder / "case.toml").is_file())
+
+
+@pytest.mark.lammps
+@pytest.mark.liggghts
+@pytest.mark.parametrize("name", CASES)
+def test_the_engines_agree(name: str, tmp_path: Path) -> None:
+    """Law: native equals LAMMPS on the LAMMPS deck and LIGGGHTS on its own, to tier 1 and 2; all meet the closed forms of the case."""
+    require_lammps()
+    require_liggghts()
+    found = compare_case(load_case(INPUTS / name), tmp_path, Settings(), lambda label: None)
+    failed = [check for check in found.checks if check.outcome in ("fail", "crashed")]
+    assert not failed, failed[:3]
+    assert verdict(found.checks) == "pass"
+    own = [c for c in found.checks if any(label.startswith("native") for label in c.engines) and c.kind == "engine" and c.tier < 3]
+    assert {c.engines for c in own} == {("native", "lammps"), ("native-liggghts", "liggghts")}
+    assert all(c.outcome == "pass" and c.max_rel <= (TIER1 if c.tier == 1 else TIER2) for c in own)
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_a_case_is_whole(name: str) -> None:
+    """Law: a case has both decks, says what it measures, and accepts only differences that the register has."""
+    case = load_case(INPUTS / name)
+    assert set(case.decks) == {"lammps", "liggghts"}
+    assert case.title
+    assert len(case.what) > 40
+    assert set(case.accept) <= {entry.id for entry in register.load()}
+    assert all(law.reason and law.tolerance > 0 for law in case.laws)
+
+
+@pytest.mark.lammps
+@pytest.mark.liggghts
+def test_two_laws_do_not_agree(tmp_path: Path) -> None:
+    """Law (what must be rejected): the same scene with another friction coefficient in one deck fails, and not as chaos."""
+    require_lammps()
+    require_liggghts()
+    for name in ("in.lammps", "in.liggghts"):
+        text = (INPUTS / "wall-oblique" / name).read_text()
+        (tmp_path / name).write_text(text.replace("peratomtypepair 1 0.1", "peratomtypepair 1 0.1001") if "liggghts" in name else text)
+    found = compare_case(load_case(tmp_path), tmp_path / "out", Settings(), lambda label: None)
+    assert verdict(found.checks) == "fail"
+    wrong = [c for c in found.checks if c.outcome == "fail"]
+    assert {c.engines for c in wrong} == {("lammps", "liggghts")}
+    assert any(c.quantity == "force" for c in wrong)

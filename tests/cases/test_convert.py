@@ -1,0 +1,111 @@
+"""A deck said in the other engine's words is the same scene."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from demsolver import Scene
+from demverify.deck.convert import convert
+from demverify.errors import InputError
+from demverify.runs import plan
+
+INPUTS = Path(__file__).parents[2] / "inputs"
+CASES = sorted(folder.name for folder in INPUTS.iterdir() if (folder / "case.toml").is_file())
+LAMMPS = """units lj
+atom_style sphere
+boundary p p f
+region box block 0 10 0 10 0 10
+create_box 2 box
+create_atoms 1 single 3 5 5
+create_atoms 2 single 4 5 5
+set type 1*2 diameter 1.1
+{pair}
+{fix}
+timestep 1e-4
+run 10
+"""
+
+
+def scene(deck: Path) -> Scene:
+    """The scene of a deck's first run."""
+    return plan(deck, {}).runs[0].scene
+
+
+def same_particles(a: Scene, b: Scene) -> None:
+    """Positions, velocities, spins, sizes to the last bit; masses to one unit in the last place (they go over as densities)."""
+    for name in ("id", "type", "x", "v", "omega", "radius"):
+        assert np.array_equal(getattr(a.particles, name), getattr(b.particles, name)), name
+    assert np.abs(a.particles.mass - b.particles.mass).max() <= np.spacing(a.particles.mass.max())
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_a_lammps_deck_becomes_the_liggghts_deck_of_the_case(name: str, tmp_path: Path) -> None:
+    """Law: converting in.lammps gives the scene that was written by hand in in.liggghts: particles, walls, fields, step, coefficients."""
+    convert(plan(INPUTS / name / "in.lammps", {}), "liggghts", tmp_path / "in.liggghts")
+    ours, theirs = scene(tmp_path / "in.liggghts"), scene(INPUTS / name / "in.liggghts")
+    same_particles(ours, theirs)
+    assert len(ours.walls) == len(theirs.walls)
+    assert [type(f) for f in ours.forces] == [type(f) for f in theirs.forces]
+    assert ours.timestep == theirs.timestep
+    assert ours.neighbor == theirs.neighbor
+    assert ours.pair is not None
+    assert theirs.pair is not None
+    idle = {"shear_stiffness"} if ours.pair.friction == "no_history" else set()  # no spring, whatever its stiffness
+    for coefficient in (set(ours.pair.coefficients) & set(theirs.pair.coefficients)) - idle:
+        a, b = ours.pair.coefficients[coefficient], theirs.pair.coefficients[coefficient]
+        assert a[: len(b), : len(b)] == pytest.approx(b, rel=1e-15), coefficient
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_a_liggghts_deck_in_lammps_words(name: str, tmp_path: Path) -> None:
+    """Law: converting in.liggghts gives a LAMMPS deck that reads, with the same particles and as many walls and fields."""
+    source = INPUTS / name / "in.liggghts"
+    convert(plan(source, {}), "lammps", tmp_path / "in.lammps")
+    ours, theirs = scene(tmp_path / "in.lammps"), scene(source)
+    same_particles(ours, theirs)
+    assert len(ours.walls) == len(theirs.walls)
+    assert [type(f) for f in ours.forces] == [type(f) for f in theirs.forces]
+    assert ours.neighbor == theirs.neighbor
+
+
+def test_a_wall_with_a_law_of_its_own_becomes_a_type(tmp_path: Path) -> None:
+    """Law: in LIGGGHTS a wall's law is that of a pair of types; a wall that differs from all gets one more type."""
+    deck = tmp_path / "in.lammps"
+    deck.write_text(
+        LAMMPS.format(
+            pair="pair_style gran/hooke/history 2e5 NULL 50 NULL 0.5 1\npair_coeff * *",
+            fix="fix w all wall/gran granular hooke 1e5 30 tangential linear_history 3e4 0.5 0.2 damping mass_velocity zplane 0 NULL\nfix n all nve/sphere",
+        )
+    )
+    found = convert(plan(deck, {}), "liggghts", tmp_path / "in.liggghts")
+    assert found.ntypes == 3
+    law = scene(tmp_path / "in.liggghts").walls[0].law.coefficients
+    assert law["kn"][:2] == pytest.approx([1e5, 1e5])
+    assert law["mu"][:2] == pytest.approx([0.2, 0.2])
+    assert scene(tmp_path / "in.liggghts").pair.coefficients["kn"][:2, :2] == pytest.approx(np.full((2, 2), 2e5))  # type: ignore[union-attr]
+
+
+@pytest.mark.parametrize(
+    ("pair", "fragment"),
+    [
+        ("pair_style granular\npair_coeff * * hertz/material 1e6 0.5 0.3 tangential mindlin NULL 1 0.3 damping coeff_restitution", "xt = 1: LIGGGHTS' model hertz has 0.907"),
+        ("pair_style granular\npair_coeff * * hertz/material 1e6 9.0 0.3 tangential mindlin NULL 1 0.3 damping velocity", "no law like normal hertz with damping velocity"),
+        ("pair_style granular\npair_coeff * * hertz 1e6 0.5 tangential mindlin 1e8 0 0.3 damping coeff_restitution", "no Young's moduli"),
+    ],
+)
+def test_what_cannot_be_said_is_an_error(pair: str, fragment: str, tmp_path: Path) -> None:
+    """Law: a law the other engine does not have is refused in one line, and nothing is written."""
+    deck = tmp_path / "in.lammps"
+    deck.write_text(LAMMPS.format(pair=pair, fix="fix n all nve/sphere"))
+    with pytest.raises(InputError, match=fragment):
+        convert(plan(deck, {}), "liggghts", tmp_path / "in.liggghts")
+    assert [path.name for path in tmp_path.iterdir()] == ["in.lammps"]
+
+
+def test_a_deck_of_that_dialect_already(tmp_path: Path) -> None:
+    """Law: converting to its own dialect is an error, not a copy."""
+    with pytest.raises(InputError, match="this is a lammps deck already"):
+        convert(plan(INPUTS / "bed" / "in.lammps", {}), "lammps", tmp_path / "x")

@@ -1,0 +1,43 @@
+"""Calls of the command line inside the test's process: numba is imported and the contact law compiled once."""
+
+from __future__ import annotations
+
+import signal
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+
+from demverify import cli
+from tests.support.cli import Call, Called
+
+
+@pytest.fixture
+def demverify(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Iterator[Call]:
+    """demverify(*words): status, stdout and stderr of the command."""
+    before = signal.getsignal(signal.SIGTERM)
+
+    def call(*words: object) -> Called:
+        monkeypatch.setattr("sys.argv", ["demverify", *map(str, words)])
+        capsys.readouterr()
+        with pytest.raises(SystemExit) as ended:
+            cli.main()
+        out, err = capsys.readouterr()
+        assert isinstance(ended.value.code, int)
+        return Called(ended.value.code, out, err)
+
+    yield call
+    signal.signal(signal.SIGTERM, before)
+
+
+@pytest.fixture
+def write(tmp_path: Path) -> Callable[[str | bytes, str], Path]:
+    """write(content, name="in.lammps"): a file in the test's folder."""
+
+    def put(content: str | bytes, name: str = "in.lammps") -> Path:
+        path = tmp_path / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_bytes(content.encode() if isinstance(content, str) else content)
+        return path
+
+    return put
