@@ -1,6 +1,6 @@
 """Prints the README's table of contact laws: `python benchmarks/law_table.py [--quick] [--each]`.
 
-Every law of tests/cases/law_matrix.py on 1,000 spheres, native against the engine; about 10 minutes the first time. --quick: the
+Every law of tests/cases/law_matrix.py on 1,000 spheres, native against the engine; about 15 minutes the first time. --quick: the
 few that CI runs. --each: one row a law, else one row a style with the worst of its laws.
 """
 

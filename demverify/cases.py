@@ -1,9 +1,9 @@
 """Cases: a folder with in.lammps, in.liggghts and case.toml, which says what is measured and against what.
 
-    title = "..."                            what = "one or two sentences for the report"
-    accept = ["entry-id", ...]               known differences between the engines (register) that the case lives with
-    every = N                                steps between the frames that are compared; by default some 200 frames
-    [[law]]  name = "slip_cessation"  tolerance = 1e-3  reason = "why this tolerance"  parameters = {...}
+title = "..."                            what = "one or two sentences for the report"
+accept = ["entry-id", ...]               known differences between the engines (register) that the case lives with
+every = N                                steps between the frames that are compared; by default some 200 frames
+[[law]]  name = "slip_cessation"  tolerance = 1e-3  reason = "why this tolerance"  parameters = {...}
 """
 
 from __future__ import annotations

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
@@ -143,7 +143,7 @@ def _compare(a: Run, b: Run, envelope: Envelope | None, known: Plan, accepted: S
     engines = (a.label, b.label)
     for run in (a, b):
         if run.outcome.status != "ok":
-            outcome = "crashed" if run.outcome.status == "crashed" else "skipped"
+            outcome: Literal["crashed", "skipped"] = "crashed" if run.outcome.status == "crashed" else "skipped"
             return [not_judged("all", engines, outcome, f"{run.label}: {run.outcome.reason}")]
     checks = compare_series(a.frames, b.frames, engines, envelope)
     names = {"native" if label.startswith("native") else label for label in engines}

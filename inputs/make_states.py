@@ -10,10 +10,22 @@ import sys
 from pathlib import Path
 
 import numpy as np
-from demsolver import (
-    Box, ContactLaw, Cylinder, Freeze, Gravity, Neighbor, NveSphere, Particles, Scene, Simulation, Slab, Wall,
-)  # fmt: skip
 from rich.progress import track
+
+from demsolver import (
+    Box,
+    ContactLaw,
+    Cylinder,
+    Freeze,
+    Gravity,
+    Neighbor,
+    NveSphere,
+    Particles,
+    Scene,
+    Simulation,
+    Slab,
+    Wall,
+)  # fmt: skip
 
 HERE = Path(__file__).parent
 

@@ -6,6 +6,7 @@ type of its own for a wall, their state at the first run is handed over in a dat
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -24,8 +25,9 @@ if TYPE_CHECKING:
     from demverify.runs import Plan
 
 WATCHING = ("dump", "dump_modify", "undump", "fix", "unfix")  # left out where the reader did: the other engine may not know the style
-RANDOM = ("velocity", "displace_atoms", "set", "create_atoms")
-STATE = ("create_box", "create_atoms", "read_data", "set", "velocity", "displace_atoms", "lattice", "mass", "density", "diameter", "molecule")
+STATE = (
+    "create_box", "create_atoms", "read_data", "set", "velocity", "displace_atoms", "lattice", "mass", "density", "diameter", "molecule",
+)  # fmt: skip
 DROPPED = ("variable", "log", "echo", "processors", "comm_modify", "communicate", "newton", "atom_modify", "suffix", "package", "label",
            "pair_coeff", "pair_modify", "soft_particles", "hard_particles", "thermo_modify", "compute_modify", "fix_modify", "timers",
            "run_style", "next", "jump", "include", "if", "info", "timer", "balance", "restart", "write_restart", "write_data", "write_dump")  # fmt: skip
@@ -55,7 +57,8 @@ def convert(plan: Plan, target: Dialect, output: Path) -> Conversion:
     found = conversion(plan, target, output.name + ".data")
     if found.handover:
         setup = plan.runs[0].setup
-        assert setup.atoms is not None and setup.box is not None
+        assert setup.atoms is not None
+        assert setup.box is not None
         write_data(output.with_name(output.name + ".data"), setup.atoms, setup.box, found.ntypes, target, setup.dimension)
     with atomic_write(output) as temporary:
         temporary.write_text("\n".join(found.lines) + "\n")
@@ -204,12 +207,12 @@ class _Translator:
                 yield f"thermo_modify norm {'yes' if self.setup.units == 'lj' else 'no'}"
 
     def _thermo_modify(self, words: tuple[str, ...]) -> Iterator[str]:
-        kept = [(key, value) for key, value in zip(words[1:], words[2:], strict=False) if key in ("norm", "lost")]
+        kept = [(key, value) for key, value in itertools.pairwise(words) if key in ("norm", "lost")]
         if kept:
             yield "thermo_modify " + " ".join(f"{key} {value}" for key, value in kept)
 
     def _dump_modify(self, words: tuple[str, ...]) -> Iterator[str]:
-        kept = [(key, value) for key, value in zip(words[2:], words[3:], strict=False) if key in ("sort", "every", "first", "pad")]
+        kept = [(key, value) for key, value in itertools.pairwise(words) if key in ("sort", "every", "first", "pad")]
         if kept:
             yield f"dump_modify {words[1]} " + " ".join(f"{key} {value}" for key, value in kept)
 

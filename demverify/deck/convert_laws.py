@@ -8,8 +8,8 @@ from math import exp, pi, sqrt
 from typing import NamedTuple
 
 import numpy as np
-from demsolver.scene import ContactLaw, Cylinder, Particles, Slab, Wall
 
+from demsolver.scene import ContactLaw, Cylinder, Particles, Slab, Wall
 from demverify.errors import InputError, Place
 
 FRICTION = {"none": "off", "no_history": "no_history", "classic_history": "history", "rotated_history": "history", "liggghts_history": "history"}
@@ -20,7 +20,7 @@ class Table(NamedTuple):
     """A LIGGGHTS property per pair of types."""
 
     name: str
-    values: np.ndarray  # type: ignore[type-arg]
+    values: np.ndarray
 
 
 def absolute(law: ContactLaw, particles: Particles, *, wall: bool) -> ContactLaw:
@@ -58,8 +58,12 @@ def material_tables(law: ContactLaw, place: Place | None) -> list[Table]:
     young = 2.0 * (1.0 - nu**2) * np.diag(young_star)
     soft, sheared = (1.0 - nu**2) / young, 2.0 * (2.0 - nu) * (1.0 + nu) / young
     expected = 1.0 / np.add.outer(soft, soft), 1.0 / np.add.outer(sheared, sheared)
-    if (nu < 0.0).any() or (nu > 0.5).any() or not all(np.allclose(a, b, rtol=1e-9) for a, b in zip((young_star, shear_star), expected, strict=True)):
-        message = "stiffnesses that no Young's moduli and Poisson's ratios give, which is all that LIGGGHTS' model hertz takes; write the LIGGGHTS deck by hand"
+    consistent = all(np.allclose(a, b, rtol=1e-9) for a, b in zip((young_star, shear_star), expected, strict=True))
+    if (nu < 0.0).any() or (nu > 0.5).any() or not consistent:
+        message = (
+            "stiffnesses that no Young's moduli and Poisson's ratios give, which is all that LIGGGHTS' model hertz takes; "
+            "write the LIGGGHTS deck by hand"
+        )
         raise InputError(message, place)
     b = law.coefficients["damping_fraction"] / sqrt(5.0)
     restitution = np.exp(-pi * b / np.sqrt(1.0 - b * b))
@@ -77,7 +81,8 @@ def _tangential_switch(law: ContactLaw, place: Place | None) -> list[str]:
     own = np.sqrt(law.coefficients["shear_stiffness"] / (1.5 * law.coefficients["kn"])) if "shear_stiffness" in law.coefficients else np.inf
     if np.allclose(xt, own, rtol=1e-9):
         return []
-    message = f"tangential damping xt = {float(xt.flat[0]):g}: LIGGGHTS' model hertz has {float(np.ravel(own)[0]):g} or none; write the LIGGGHTS deck by hand"
+    wanted, there = float(xt.flat[0]), float(np.ravel(own)[0])
+    message = f"tangential damping xt = {wanted:g}: LIGGGHTS' model hertz has {there:g} or none; write the LIGGGHTS deck by hand"
     raise InputError(message, place)
 
 
@@ -144,7 +149,7 @@ def with_wall_types(pair: list[Table], walls: list[list[Table]], ntypes: int, pl
     return [Table(name, v) for name, v in values.items()], types
 
 
-def _widened(table: np.ndarray, column: np.ndarray | None) -> np.ndarray:  # type: ignore[type-arg]
+def _widened(table: np.ndarray, column: np.ndarray | None) -> np.ndarray:
     wide = np.pad(table, (0, 1), mode="edge")
     if column is not None:
         wide[: len(column), -1] = wide[-1, : len(column)] = column

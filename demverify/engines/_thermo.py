@@ -8,9 +8,10 @@ from dataclasses import dataclass
 from time import perf_counter
 
 import numpy as np
-from demsolver.simulate import Simulation
+
 from demsolver.computes import erotate, erotate_sphere, ke
 from demsolver.scene import Particles
+from demsolver.simulate import Simulation
 from demsolver.state import Floats, selected
 from demverify.deck.setup import Setup, Spec
 from demverify.deck.state_values import KEYWORDS as _STATE_KEYWORDS

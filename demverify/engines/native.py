@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from math import isfinite
 from pathlib import Path
 from time import perf_counter
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from demverify.frames import Frame
 
 TRAJECTORY = (
-    "id type x y z ix iy iz vx vy vz fx fy fz omegax omegay omegaz tqx tqy tqz radius mass".split()
+    ["id", "type", "x", "y", "z", "ix", "iy", "iz", "vx", "vy", "vz", "fx", "fy", "fz", "omegax", "omegay", "omegaz", "tqx", "tqy", "tqz", "radius", "mass"]
 )  # fmt: skip
 PATIENCE_S = 0.5  # between two signs of life
 
@@ -78,7 +78,7 @@ class NativeBackend:
         self._trajectory: Any = None
         self._last_frame = -1
 
-    def __enter__(self) -> NativeBackend:
+    def __enter__(self) -> Self:
         """Nothing is written before there are first values: a deck that is wrong leaves no file."""
         return self
 
@@ -170,8 +170,8 @@ class _Run:
     """The output of one `run`: which steps, and what is written at them."""
 
     def __init__(self, backend: NativeBackend, setup: Setup, simulation: Simulation, steps: int) -> None:
-        from demverify.engines._thermo import Meter
         from demverify.engines._outputs import keywords_of
+        from demverify.engines._thermo import Meter
         from demverify.formats.thermo import ThermoTable, thermo_formats
 
         self.backend, self.setup, self.simulation, self.steps = backend, setup, simulation, steps

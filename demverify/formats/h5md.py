@@ -56,7 +56,7 @@ class _Element:
         return f"{_GROUP}/{self.name}"
 
     @property
-    def dtype(self) -> type[np.int64] | type[np.float64]:
+    def dtype(self) -> type[np.int64 | np.float64]:
         return np.int64 if INTEGER_COLUMNS.issuperset(self.columns) else np.float64
 
     @property

@@ -26,6 +26,6 @@ def measure(frames: Sequence[Frame], restitution: float) -> list[Measured]:
     ]
 
 
-def _relative(frame: Frame) -> np.ndarray:  # type: ignore[type-arg]
+def _relative(frame: Frame) -> np.ndarray:
     v = frame.vectors("vx", "vy", "vz")
     return np.asarray(v[0] - v[1])

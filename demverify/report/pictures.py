@@ -192,7 +192,7 @@ def _line(x: Floats, y: Floats, stroke: str) -> str:
     runs = [run for run in np.split(np.arange(len(x)), np.flatnonzero(np.diff(known)) + 1) if len(run) and known[run[0]]]
     path = "".join("M" + "L".join(f"{x[k]:.1f} {y[k]:.1f}" for k in run) for run in runs)
     dots = "".join(f"M{x[k]:.1f} {y[k]:.1f}h0" for k in np.flatnonzero(known)) if len(x) <= 1 else ""
-    marked = f'<path d="{dots}" {stroke.split(" ")[0]} stroke-width="7" stroke-linecap="round"/>' if dots else ""
+    marked = f'<path d="{dots}" {stroke.split(" ", maxsplit=1)[0]} stroke-width="7" stroke-linecap="round"/>' if dots else ""
     return f'<path d="{path}" {stroke} stroke-linejoin="round"/>{marked}'
 
 

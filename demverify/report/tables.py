@@ -125,7 +125,7 @@ def as_lines(checks: Iterable[Check]) -> str:
 
 
 def _card(kind: str, engines: tuple[str, str], checks: Sequence[Check]) -> str:
-    tiers = {1: "One state", 2: "Short run", 3: "Long run"} if kind == "engine" else {t: "Closed forms" for t in (1, 2, 3)}
+    tiers = {1: "One state", 2: "Short run", 3: "Long run"} if kind == "engine" else dict.fromkeys((1, 2, 3), "Closed forms")
     lines = "".join(_card_line(tier, tiers[tier], own) for tier in (1, 2, 3) if (own := [c for c in checks if c.tier == tier]))
     if not any(np.isfinite(c.max_rel) or c.outcome == "fail" for c in checks):  # an engine that is missing, or died
         told = escape(_first_line(checks[0].reason))

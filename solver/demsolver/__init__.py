@@ -1,14 +1,27 @@
 """demsolver: a native DEM solver. Arrays in, arrays out; knows nothing of decks or engines.
 
-    from demsolver import Scene, Simulation
-    simulation = Simulation(scene)
-    simulation.setup()
-    simulation.advance(1000)
-    simulation.bodies.force
+from demsolver import Scene, Simulation
+simulation = Simulation(scene)
+simulation.setup()
+simulation.advance(1000)
+simulation.bodies.force
 """
 
 from demsolver.scene import (
-    Box, ContactLaw, Cylinder, Enforce2D, Freeze, Gravity, Neighbor, NveSphere, Particles, Scene, SetForce, Slab, Viscous, Wall,
+    Box,
+    ContactLaw,
+    Cylinder,
+    Enforce2D,
+    Freeze,
+    Gravity,
+    Neighbor,
+    NveSphere,
+    Particles,
+    Scene,
+    SetForce,
+    Slab,
+    Viscous,
+    Wall,
 )  # fmt: skip
 from demsolver.simulate import EnergyBudget, LostParticles, Simulation, Unstable
 

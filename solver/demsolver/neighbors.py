@@ -109,13 +109,13 @@ def exclusions(scene: Scene, mask: Ints, kind: Ints) -> tuple[NDArray[np.bool_],
     return table, classes.ravel()
 
 
-@njit(error_model="numpy")  # type: ignore[untyped-decorator]
+@njit(error_model="numpy")
 def _key(x, y, z):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
     """One number a cell; cells of a row along x follow one another."""
     return (z * (MOST_CELLS + 3) + y) * (MOST_CELLS + 3) + x
 
 
-@njit(error_model="numpy")  # type: ignore[untyped-decorator]
+@njit(error_model="numpy")
 def _first_from(keys, wanted):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
     """First position whose key is not below `wanted`."""
     low, high = 0, len(keys)
@@ -128,7 +128,7 @@ def _first_from(keys, wanted):  # type: ignore[no-untyped-def]  # noqa: ANN001, 
     return low
 
 
-@njit(cache=True, error_model="numpy")  # type: ignore[untyped-decorator]
+@njit(cache=True, error_model="numpy")
 def _rows(n, x, radius, cell, keys, places, owner, shift, owner_radius, skin, excluded, classes):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
     """Rows of pairs. keys, places, owner, shift, owner_radius: of particles and images in the order of their cells; only cells that
     hold something are stored, so that empty space costs nothing."""
@@ -160,7 +160,7 @@ def _rows(n, x, radius, cell, keys, places, owner, shift, owner_radius, skin, ex
     return first, partner[:m].copy(), code[:m].copy()
 
 
-@njit(cache=True, error_model="numpy")  # type: ignore[untyped-decorator]
+@njit(cache=True, error_model="numpy")
 def carry(old: Any, new: Any, wraps: Ints, outlives: bool, b: Any, shifts: Floats) -> None:
     """Hands the memory of the old list to the new one. `wraps` (n, 3): periodic wraps since the old list.
 
@@ -180,7 +180,7 @@ def carry(old: Any, new: Any, wraps: Ints, outlives: bool, b: Any, shifts: Float
                     _hand_over(old, k, new, j, i, 26 - moved, True, outlives, b, shifts)
 
 
-@njit(error_model="numpy")  # type: ignore[untyped-decorator]
+@njit(error_model="numpy")
 def _hand_over(old, k, new, i, j, code, turned, outlives, b, shifts):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
     """Memory of old pair k to the pair (i, j, code) of the new list; `turned`: as the partner felt it."""
     for q in range(new.first[i], new.first[i + 1]):

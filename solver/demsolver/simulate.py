@@ -11,7 +11,6 @@ from demsolver.scene import Box, Gravity, Particles, Scene, SetForce, Viscous, W
 from demsolver.specialise import BUDGET_MEMORY, MEMORY, coefficient_table, keeps_history, specialise, wall_geometry
 from demsolver.state import Bodies, Floats, Ints, Pairs, bodies_of, inertia_of, selected
 
-
 _SAID = {"x": "positions", "v": "velocities", "omega": "spins", "force": "forces", "torque": "torques"}
 BEGIN, MIDDLE, SETUP = 0, 1, 2  # where kernel.run_steps starts
 
@@ -215,7 +214,7 @@ class Simulation:
                 raise LostParticles(message)
             self._delete(gone)
 
-    def _delete(self, gone: np.ndarray) -> None:  # type: ignore[type-arg]
+    def _delete(self, gone: np.ndarray) -> None:
         keep = ~gone
         self.bodies = Bodies(*(np.ascontiguousarray(array[keep]) for array in self.bodies))
         self.id, self.image = self.id[keep], self.image[keep]
@@ -226,7 +225,7 @@ class Simulation:
             self._parts = np.zeros((self._threads, 2, len(self.id), 3))
         self.pairs = _without(self.pairs, keep)
 
-    def _wall_arrays(self, wall: Wall) -> tuple[Floats, int, Floats, Floats, np.ndarray]:  # type: ignore[type-arg]
+    def _wall_arrays(self, wall: Wall) -> tuple[Floats, int, Floats, Floats, np.ndarray]:
         n = len(self.id)
         return wall_geometry(wall), wall.bit, coefficient_table(wall.law), np.zeros((n, self._columns)), np.zeros(n, dtype=np.uint8)
 
@@ -265,7 +264,7 @@ def _same_law(a: Scene, b: Scene) -> bool:
     )
 
 
-def _without(pairs: Pairs, keep: np.ndarray) -> Pairs:  # type: ignore[type-arg]
+def _without(pairs: Pairs, keep: np.ndarray) -> Pairs:
     """The list without the particles that are gone, rows renumbered."""
     number = np.cumsum(keep) - 1
     row = np.repeat(np.arange(len(keep)), np.diff(pairs.first))

@@ -21,8 +21,8 @@ from types import ModuleType
 import numpy as np
 
 from demsolver import contact
-from demsolver.scene import ContactLaw, Cylinder, Enforce2D, Freeze, Gravity, Scene, SetForce, Slab, Viscous, Wall
 from demsolver.neighbors import HOME
+from demsolver.scene import ContactLaw, Cylinder, Enforce2D, Freeze, Gravity, Scene, SetForce, Slab, Viscous, Wall
 from demsolver.state import Floats
 
 HERE = Path(__file__).parent
@@ -301,13 +301,14 @@ def _load(text: str, modules: tuple[str, ...]) -> ModuleType:
     import numba
 
     laws = "".join(inspect.getsource(sys.modules[name]) for name in modules)
-    digest = hashlib.sha256("\0".join([text, laws, sys.version, numba.__version__]).encode()).hexdigest()[:16]
+    digest = hashlib.sha256(f"{text}\x00{laws}\x00{sys.version}\x00{numba.__version__}".encode()).hexdigest()[:16]
     name = f"demsolver_{digest}"
     path = cache_folder() / f"{name}.py"
     if not path.exists():
         _write(path, text)
     spec = importlib.util.spec_from_file_location(name, path)
-    assert spec and spec.loader
+    assert spec
+    assert spec.loader
     module = importlib.util.module_from_spec(spec)
     sys.modules[name] = module
     spec.loader.exec_module(module)
@@ -331,4 +332,4 @@ def cache_folder() -> Path:
 def _write(path: Path, text: str) -> None:
     with tempfile.NamedTemporaryFile("w", dir=path.parent, suffix=".tmp", delete=False) as out:
         out.write(text)
-    os.replace(out.name, path)
+    Path(out.name).replace(path)

@@ -53,7 +53,8 @@ class Pairs(NamedTuple):
 
 def selected(mask: Ints, bit: int) -> NDArray[np.bool_]:
     """Members of group `bit`, (n,) bool."""
-    return (mask >> bit) & 1 == 1
+    members: NDArray[np.bool_] = (mask >> bit) & 1 == 1
+    return members
 
 
 def bodies_of(scene: Scene) -> Bodies:

@@ -10,12 +10,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from demsolver.reference import Key, forces
 from demsolver.scene import Box, NveSphere, Particles, Scene
 from demverify.deck import materials_lammps, materials_liggghts
 from demverify.deck.setup import Dialect, Setup, Spec
 from demverify.errors import Place
 from demverify.frames import Frame
-from demsolver.reference import Key, forces
 from tests.support.engines import run_lammps, run_liggghts
 
 Floats = NDArray[np.float64]

@@ -72,9 +72,10 @@ def dump(deck: Interpreter, cmd: Command) -> None:
     columns = cmd.rest() or (_ATOM_COLUMNS if style == "atom" else ())
     if not columns:
         raise cmd.error("custom expects the columns to write")
+    known = [column for column in COLUMNS if (deck.setup.dialect, column) != ("lammps", "density")]
     for column in columns:
-        if column not in COLUMNS:
-            raise cmd.error(f"custom column {column!r} is not one of {', '.join(COLUMNS)}")
+        if column not in known:
+            raise cmd.error(f"custom column {column!r} is not one of {', '.join(known)}")
     if (path := PurePosixPath(file)).is_absolute() or ".." in path.parts or not path.name or "%" in file:
         raise cmd.error(f"file {file!r} is not a relative path inside the run's folder, for all ranks (no %)")
     deck.setup.dumps[name] = DumpSpec(name, group, style, every, file, columns, cmd.place)

@@ -26,7 +26,7 @@ ENTRY: dict[Family, str] = {
     "friction": "force",
 }
 GIVEN = frozenset(
-    "overlap reff meff contact_radius vn normal_elastic stiffness gn kt gt normal_force sx sy sz nx ny nz vtx vty vtz dt advance".split()
+    ["overlap", "reff", "meff", "contact_radius", "vn", "normal_elastic", "stiffness", "gn", "kt", "gt", "normal_force", "sx", "sy", "sz", "nx", "ny", "nz", "vtx", "vty", "vtz", "dt", "advance"]
 )
 
 

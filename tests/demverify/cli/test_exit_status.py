@@ -78,7 +78,7 @@ def numbers_in(folder: Path) -> Iterator[float]:
             yield from (float(x) for frame in read_h5md(path) for column in frame.columns.values() for x in column)
         else:
             words = path.read_text().replace(",", " ").split()
-            yield from (float(word) for word in words if word.lower().strip("+-") in ("nan", "inf") or word[-1:].isdigit() and _is_number(word))
+            yield from (float(word) for word in words if word.lower().strip("+-") in ("nan", "inf") or (word[-1:].isdigit() and _is_number(word)))
 
 
 def _is_number(word: str) -> bool:

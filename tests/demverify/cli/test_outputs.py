@@ -19,7 +19,7 @@ Write = Callable[..., Path]
 THREE = "create_atoms 1 single -0.0049 0.001 0.0{0}\ncreate_atoms 1 single 0.0049 0.0 0.0{0}\ncreate_atoms 2 single 0.0 0.0 0.02{0}\n"
 OUTPUT = """set type * diameter 0.01 density 2500.0
 set atom 1 vx 0.5
-set atom 3 omegay 3.0
+set atom 3 {spin}
 group pair id 1 2
 timestep 1.0e-6
 fix move all nve/sphere
@@ -33,7 +33,7 @@ thermo_modify norm no
 thermo 10
 dump one all custom 10 frames.dump id type x y z ix vx vy fz omegaz tqz radius mass
 dump_modify one sort id
-dump many pair custom 20 post/step.*.dump id xs yu vx density diameter
+dump many pair custom 20 post/step.*.dump id xs yu vx diameter
 dump_modify many sort id pad 6 first yes
 print "half way at step $(step)"
 run 45
@@ -50,7 +50,7 @@ BOX = "region box block -0.05 0.05 -0.05 0.05 -0.05 0.05{0}\ncreate_box 2 box\n"
 LAMMPS = (
     "units si\natom_style sphere\nboundary f f f\nnewton off\ncomm_modify vel yes\n" + BOX.format("") + THREE.format("")
     + "pair_style gran/hooke/history 1.0e4 3.0e3 500.0 200.0 0.5 1\npair_coeff * *\nneighbor 0.002 bin\n"
-    + OUTPUT.format(format="float %20.15g")
+    + OUTPUT.format(format="float %20.15g", spin="omega 0.0 3.0 0.0")
 )  # fmt: skip
 PROPERTIES = {"kn": 1e4, "kt": 3e3, "gamman": 500.0, "gammat": 200.0, "coefficientFriction": 0.5}
 LIGGGHTS = (
@@ -58,7 +58,7 @@ LIGGGHTS = (
     + BOX.format(" units box") + THREE.format(" units box")
     + "".join(f"fix {name} all property/global {name} peratomtypepair 2 {' '.join([str(value)] * 4)}\n" for name, value in PROPERTIES.items())
     + "pair_style gran model hooke/stiffness tangential history\npair_coeff * *\nneighbor 0.002 bin\nneigh_modify delay 0\n"
-    + OUTPUT.format(format='"%d %20.15g %20.15g"')
+    + OUTPUT.format(format='"%d %20.15g %20.15g"', spin="omegay 3.0")
 )  # fmt: skip
 ENGINES = {"lammps": (LAMMPS, require_lammps), "liggghts": (LIGGGHTS, require_liggghts)}
 

@@ -135,7 +135,7 @@ def test_a_late_error_of_bulk_figures_is_rejected(start, native, envelope):
 
 def test_without_chaos_late_differences_are_judged(start):
     """A regular motion (no kick to speak of) keeps its envelope at rounding: 1e-7 off at step 500 fails, in tier 3 too."""
-    calm = dict(kick=1e-3, steps=60)
+    calm = {"kick": 1e-3, "steps": 60}
     native = run(start, **calm)
     envelope = Envelope.from_frames(native, run(nudge(start), **calm))
     late = run(start, force=lambda f, step: f * (1 + 1e-7 * (step >= 500)), **calm)

@@ -11,8 +11,8 @@ from typing import Any
 
 import pytest
 
-from tests.support.engines import require_lammps
 from demverify.deck.interpreter import Interpreter
+from tests.support.engines import require_lammps
 
 WORKER = """
 import ctypes, json, sys

@@ -43,5 +43,5 @@ def test_an_unknown_fix_is_named_before_the_missing_box(run_deck: Run) -> None:
 def test_a_packed_data_file_is_hinted_at(run_deck: Run, tmp_path: Path) -> None:
     """LAMMPS does not look for x.gz when x is missing (22 July 2025, measured); the message says that it is there."""
     (tmp_path / "x.data.gz").write_bytes(b"")
-    with pytest.raises(InputError, match="does not exist.*; x.data.gz does: unpack it"):
+    with pytest.raises(InputError, match=r"does not exist.*; x\.data\.gz does: unpack it"):
         run_deck("atom_style sphere\nread_data x.data\n")

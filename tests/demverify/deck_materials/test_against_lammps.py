@@ -126,7 +126,6 @@ def test_classic_walls_follow_the_documentation(case: Case, frames: dict[str, li
 
 def test_mixed_mindlin_uses_the_mixed_modulus(frames: dict[str, list[Frame]]) -> None:
     """For kt NULL between two materials the wheel uses E* where Mindlin has E: the true 8 G* moves forces by more than 1 %."""
-
     compliance = 2 * (2 - 0.3) * 1.3 / 5e6 + 2 * (2 - 0.22) * 1.22 / 1.2e7
     case = CASES["hertz/material coeff_restitution mindlin NULL 0.7 0.5 "]
     law = scene_of(case, "lammps").pair

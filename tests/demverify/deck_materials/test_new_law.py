@@ -11,10 +11,10 @@ import numpy as np
 import pytest
 
 from demsolver import contact
+from demsolver.reference import forces
 from demsolver.scene import Box, Particles, Scene
 from demverify.deck import materials_lammps
 from demverify.errors import InputError
-from demsolver.reference import forces
 from tests.support.contact_cases import setup_of
 
 QUARTIC = '''"""Hardening spring: F = k2 overlap^2 + k4 overlap^4. Source: this test."""

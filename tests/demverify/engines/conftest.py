@@ -7,9 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from tests.support.engines import unavailable
 from demverify.engines import ENGINES
 from demverify.engines.base import Job, Missing, Outcome
+from tests.support.engines import unavailable
 
 PREAMBLE = {
     "lammps": "units si\natom_style sphere\nboundary f f f\nnewton off\ncomm_modify vel yes\n",

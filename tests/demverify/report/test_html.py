@@ -53,7 +53,7 @@ class Page(HTMLParser):
 
 def text_of(page):
     """What is read: no tags, no style."""
-    return unescape(re.sub(r"<[^>]+>", " ", re.sub(r"<style>.*?</style>", "", page, flags=re.S)))
+    return unescape(re.sub(r"<[^>]+>", " ", re.sub(r"<style>.*?</style>", "", page, flags=re.DOTALL)))
 
 
 def test_the_page_is_well_formed_and_its_links_lead_somewhere(any_report):
@@ -134,7 +134,7 @@ def test_dark_light_print_and_phones_are_provided_for(reports):
     """Both colour schemes define the same colours; there are rules for print and for narrow screens."""
     page = render(reports["chaos"])
     light, dark = (
-        set(re.findall(r"(--[a-z0-9-]+):", part)) for part in re.findall(r":root \{(.*?)\n\s*\}", page, flags=re.S)[:2]
+        set(re.findall(r"(--[a-z0-9-]+):", part)) for part in re.findall(r":root \{(.*?)\n\s*\}", page, flags=re.DOTALL)[:2]
     )
     assert light == dark
     assert set(re.findall(r"var\((--[a-z0-9-]+)\)", page)) <= light
@@ -193,7 +193,7 @@ def test_energies_of_any_size_are_drawn(reports, values):
     series = EnergySeries(np.array([0.0, 1.0]), np.array([0.0, 1e-5]), {"ke": np.array(values)})
     page = render(replace(reports["passing"], series={"native": series, "lammps": series}))
     assert not re.search(
-        r"\b(nan|inf)\b", "".join(re.findall(r'<svg class="plot".*?</svg>', page, flags=re.S)).partition("aria-label")[0]
+        r"\b(nan|inf)\b", "".join(re.findall(r'<svg class="plot".*?</svg>', page, flags=re.DOTALL)).partition("aria-label")[0]
     )
     assert not re.search(r'd="[^"]*(nan|inf)', page)
 

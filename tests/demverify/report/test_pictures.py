@@ -55,7 +55,7 @@ def test_a_logarithmic_axis_is_linear_in_the_exponent():
     axis = decades(-17, 0)
     assert axis.place(np.array([1e-17, 10**-8.5, 1.0, 0.0, 1e-30, 50.0])) == pytest.approx([0, 0.5, 1, 0, 0, 1])
     assert axis.ticks[0] == (0.0, "0")
-    assert dict((label, place) for place, label in axis.ticks)["10⁻⁹"] == pytest.approx(8 / 17)
+    assert {label: place for place, label in axis.ticks}["10⁻⁹"] == pytest.approx(8 / 17)
 
 
 @pytest.mark.parametrize("last", [0, 1, 200, 1000, 1001, 10_000, 2_000_000, 10**9])
