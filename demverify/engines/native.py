@@ -190,14 +190,17 @@ class _Run:
         return min([self.end, *(now - now % every + every for every in rhythms if every > 0)])
 
     def output(self) -> None:
-        """Writes what is due at this step."""
+        """Writes what is due at this step, whatever interrupts."""
+        from demverify.formats.atomic import undisturbed
+
         step, thermo = self.simulation.step, self.setup.thermo
         _bring_back(self.setup, self.simulation)
-        if step in (self.start, self.end) or (thermo.every and step % thermo.every == 0):
-            self._write_thermo()
-        for dump in self.backend._dumps.values():
-            self._write_dump(dump, step)
-        self._write_frame(step)
+        with undisturbed():
+            if step in (self.start, self.end) or (thermo.every and step % thermo.every == 0):
+                self._write_thermo()
+            for dump in self.backend._dumps.values():
+                self._write_dump(dump, step)
+            self._write_frame(step)
 
     def _write_thermo(self) -> None:
         from demsolver import Unstable

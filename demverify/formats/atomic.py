@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import signal
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
+from typing import Any
 
 from demverify.errors import InputError
 
@@ -22,6 +24,23 @@ def check_writable(path: Path) -> None:
     if path.is_dir():
         message = f"cannot write {path}: it is a folder"
         raise InputError(message)
+
+
+@contextmanager
+def undisturbed() -> Iterator[None]:
+    """Holds SIGINT and SIGTERM back until the block is done, so that a frame in several files is whole in all of them."""
+    came: list[int] = []
+    before: dict[int, Any] = {}
+    with suppress(ValueError):  # only the main thread may, and only it is interrupted
+        for number in (signal.SIGINT, signal.SIGTERM):
+            before[number] = signal.signal(number, lambda number, _: came.append(number))
+    try:
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+    for number in came:
+        signal.raise_signal(number)
 
 
 @contextmanager

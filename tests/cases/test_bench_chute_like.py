@@ -51,7 +51,7 @@ def data_file() -> str:
     grid = np.array([(x, y, z) for z in range(LAYERS) for y in range(SIDE[1]) for x in range(SIDE[0])], dtype=float)
     places = grid * 1.0 + 0.5 + rng.uniform(-2e-3, 2e-3, grid.shape)
     base = grid[:, 2] == 0
-    speeds = np.where(base[:, None], 0.0, [*rng.normal(0.0, 2.0, grid.shape), 12.0, 0.0, 0.0])
+    speeds = np.where(base[:, None], 0.0, rng.normal((12.0, 0.0, 0.0), 2.0, grid.shape))
     images = rng.integers(-1, 40, (len(grid), 2))
     ids = rng.permutation(len(grid)) + 1
     atoms = [

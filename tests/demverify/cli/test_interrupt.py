@@ -1,0 +1,112 @@
+"""Ctrl-C and kill: what was written stays readable, the status tells, and no engine goes on behind the user's back."""
+
+from __future__ import annotations
+
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import TypeVar
+
+import pytest
+
+from demverify.errors import InputError
+from demverify.formats.dump import read_dump
+from demverify.formats.h5md import read_h5md
+from demverify.formats.log import read_thermo
+from tests.support.cli import deck, files_in, program
+from tests.support.engines import require_lammps
+
+Write = Callable[..., Path]
+ENDLESS = deck(boundary="boundary p p p", thermo="thermo 50000", dump="dump frames all custom 50000 frames.dump id x vx", run="run 2000000000")
+PATIENCE_S = 60.0
+Found = TypeVar("Found")
+
+
+def wait_for(find: Callable[[], Found], process: subprocess.Popen[str]) -> Found:
+    """What `find` finds, as soon as it is true; fails the test when the process ends before, or time runs out."""
+    end = time.monotonic() + PATIENCE_S
+    while time.monotonic() < end and process.poll() is None:
+        if found := find():
+            return found
+        time.sleep(0.05)
+    process.kill()
+    pytest.fail(f"nothing came: {process.communicate()}")
+
+
+def frames(path: Path) -> list[int]:
+    """The steps in a trajectory, none where it is not there yet or still being begun."""
+    try:
+        return [frame.step for frame in read_h5md(path)] if path.exists() else []
+    except (InputError, OSError):
+        return []
+
+
+def children(process: subprocess.Popen[str]) -> list[int]:
+    """Process ids of the processes that a process has started."""
+    return [int(word) for word in Path(f"/proc/{process.pid}/task/{process.pid}/children").read_text().split()]
+
+
+def alive(pid: int) -> bool:
+    """Whether a process is there and no zombie."""
+    try:
+        return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
+    except OSError:
+        return False
+
+
+@pytest.mark.parametrize(("number", "status"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
+def test_an_interrupted_run_keeps_its_frames(number: signal.Signals, status: int, write: Write, tmp_path: Path) -> None:
+    """Ctrl-C, or a scheduler's SIGTERM: one line, the status of the signal, and every file whole up to the last frame."""
+    out = tmp_path / "out"
+    process = program("run", write(ENDLESS), "--out", out)
+    wait_for(lambda: len(frames(out / "trajectory.h5.part")) > 2, process)
+    process.send_signal(number)
+    said, complained = process.communicate(timeout=PATIENCE_S)
+    assert (process.returncode, said) == (status, "")
+    assert complained == "demverify: interrupted; what was written is readable\n"
+    assert files_in(out) == {"frames.dump", "log.native", "thermo.csv", "trajectory.h5"}
+    steps = frames(out / "trajectory.h5")
+    assert steps == list(range(0, 50000 * len(steps), 50000))
+    assert [frame.step for frame in read_dump(out / "frames.dump")] == steps
+    (table,) = read_thermo(out / "log.native")
+    assert table.values[:, table.columns.index("Step")].tolist() == steps
+
+
+def test_a_killed_run_can_still_be_read(write: Write, tmp_path: Path) -> None:
+    """After SIGKILL nothing tidies up: the `.part` holds the frames but for the last moments, and the dump's too."""
+    out = tmp_path / "out"
+    process = program("run", write(ENDLESS), "--out", out)
+    before = wait_for(lambda: len(frames(out / "trajectory.h5.part")) > 2 and frames(out / "trajectory.h5.part"), process)
+    process.kill()
+    process.communicate(timeout=PATIENCE_S)
+    assert not (out / "trajectory.h5").exists()
+    steps = frames(out / "trajectory.h5.part")
+    assert steps[: len(before)] == before
+    assert steps == list(range(0, 50000 * len(steps), 50000))
+    dumped = [frame.step for frame in read_dump(out / "frames.dump.part", partial_ok=True)]
+    assert dumped[: len(steps)] == steps
+
+
+@pytest.mark.lammps
+def test_no_engine_outlives_an_interrupted_comparison(write: Write, tmp_path: Path) -> None:
+    """compare starts its engines in sessions of their own, out of the terminal's reach: it must end them itself."""
+    require_lammps()
+    process = program("compare", write(ENDLESS), "--engine", "lammps", "--out", tmp_path / "out")
+    ids = wait_for(lambda: (tmp_path / "out").exists() and list(tmp_path.rglob("demverify_trajectory.*")) and children(process), process)
+    process.send_signal(signal.SIGINT)
+    said, complained = process.communicate(timeout=PATIENCE_S)
+    assert (process.returncode, said) == (130, "")
+    assert complained == "demverify: interrupted; what was written is readable\n"
+    assert ids
+    assert not [pid for pid in ids if alive(pid)]
+
+
+def test_help_comes_without_the_heavy_libraries() -> None:
+    """`demverify --help` imports neither numba, h5py, matplotlib nor numpy: it is there at once."""
+    code = "import sys; sys.argv = ['demverify', '--help']\ntry:\n    from demverify.cli import main; main()\nfinally:\n    print(*sys.modules)"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert "compare" in done.stdout
+    assert not {"numba", "h5py", "matplotlib", "numpy", "lammps", "rich.progress"} & set(done.stdout.splitlines()[-1].split())
