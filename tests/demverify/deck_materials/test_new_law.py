@@ -14,7 +14,9 @@ from demsolver import contact
 from demsolver.reference import forces
 from demsolver.scene import Box, Particles, Scene
 from demverify.deck import materials_lammps
+from demverify.engines.base import Job
 from demverify.errors import InputError
+from demverify.runs import execute
 from tests.support.contact_cases import setup_of
 
 QUARTIC = '''"""Hardening spring: F = k2 overlap^2 + k4 overlap^4. Source: this test."""
@@ -74,3 +76,33 @@ def test_without_the_file_the_word_is_unknown() -> None:
     """The error lists the laws that exist."""
     with pytest.raises(InputError, match="normal model 'hardening' is not one of hertz, hooke"):
         materials_lammps.pair_law(setup_of(DECK, "lammps", ntypes=1))
+
+
+@pytest.mark.usefixtures("hardening")
+def test_a_new_law_runs_compiled_from_a_deck(tmp_path: Path) -> None:
+    """Undamped, the spheres part as fast as they met and the budget's elastic energy at the turning point is what they brought:
+    the compiled loop has the force and the energy of the new file."""
+    deck = tmp_path / "in.lammps"
+    pair = DECK[1].replace(" 40.0 ", " 0.0 ")
+    deck.write_text(f"""units si
+atom_style sphere
+boundary f f f
+region box block -0.1 0.1 -0.1 0.1 -0.1 0.1
+create_box 1 box
+create_atoms 1 single -0.0101 0 0
+create_atoms 1 single 0.0101 0 0
+set type 1 diameter 0.02 density 2500
+set atom 1 vx 0.1
+set atom 2 vx -0.1
+{DECK[0]}
+{pair}
+timestep 1e-6
+fix n all nve/sphere
+run 20000
+""")
+    run = execute("native", "native", Job(deck, tmp_path / "out", every=20), keep=True, budget=True)
+    v = np.array([frame.columns["vx"] for frame in run.frames])
+    elastic, kinetic = (np.array([getattr(b, name) for _, _, b in run.budgets]) for name in ("elastic_normal", "kinetic"))
+    assert v[-1] == pytest.approx([-0.1, 0.1], rel=1e-4)
+    assert elastic.max() == pytest.approx(kinetic[0], rel=1e-4)
+    assert elastic + kinetic == pytest.approx(kinetic[0], rel=1e-6)  # of order dt^2: some 5,000 steps a contact
