@@ -47,7 +47,7 @@ def main(words: list[str]) -> int:
         for job, future in track(futures.items(), "laws", console=Console(stderr=True)):
             try:
                 found[job] = future.result()
-            except Exception as error:  # one law must not take the table with it
+            except Exception as error:  # noqa: BLE001  (one law must not take the table with it)
                 failed = 1
                 print(f"{job[0]} ({job[1]}): {error}", file=sys.stderr)
     print(HEAD, *rows(found, each="--each" in words), sep="\n")

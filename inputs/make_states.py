@@ -1,7 +1,8 @@
 """Makes the particle states of the case folders: `python inputs/make_states.py bed silo chute`. Their data files are what the decks read.
 
 bed: 1,000 spheres of two types dropped into a periodic column, settled, then given small random velocities, so that contacts also
-slide and roll. silo: the same spheres in a cylinder of radius 0.05 m about the z axis. chute: 10,000 spheres settled on a frozen rough base, then flowing down 24 degrees until the flow is developed.
+slide and roll. silo: the same spheres in a cylinder of radius 0.05 m about the z axis.
+chute: 10,000 spheres settled on a frozen rough base, then flowing down 24 degrees until the flow is developed.
 """
 
 from __future__ import annotations
@@ -67,8 +68,8 @@ def write(path: Path, p: Particles, density: float, lengths: tuple[float, float,
     head = f"{title}\n\n{len(p.id)} atoms\n{p.type.max()} atom types\n\n" + "".join(
         f"{low:g} {low + length:g} {axis}lo {axis}hi\n" for axis, low, length in zip("xyz", (lo, lo, 0), lengths, strict=True)
     )
-    atoms = ["%d %d %s %s %s %s %s" % (i, t, f % d, f % density, *(f % c for c in x)) for i, t, d, x in zip(p.id, p.type, 2 * p.radius, p.x)]
-    motion = [" ".join(["%d" % i, *(f % c for c in (*v, *w))]) for i, v, w in zip(p.id, p.v, p.omega)]
+    atoms = [" ".join([f"{i} {t}", *(f % c for c in (d, density, *x))]) for i, t, d, x in zip(p.id, p.type, 2 * p.radius, p.x)]
+    motion = [" ".join([f"{i}", *(f % c for c in (*v, *w))]) for i, v, w in zip(p.id, p.v, p.omega)]
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_text(head + "\nAtoms\n\n" + "\n".join(atoms) + "\n\nVelocities\n\n" + "\n".join(motion) + "\n")
 

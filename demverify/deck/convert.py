@@ -30,7 +30,8 @@ STATE = (
 )  # fmt: skip
 DROPPED = ("variable", "log", "echo", "processors", "comm_modify", "communicate", "newton", "atom_modify", "suffix", "package", "label",
            "pair_coeff", "pair_modify", "soft_particles", "hard_particles", "thermo_modify", "compute_modify", "fix_modify", "timers",
-           "run_style", "next", "jump", "include", "if", "info", "timer", "balance", "restart", "write_restart", "write_data", "write_dump")  # fmt: skip
+           "run_style", "next", "jump", "include", "if", "info", "timer", "balance", "restart",
+           "write_restart", "write_data", "write_dump")  # fmt: skip
 
 
 @dataclass(frozen=True)

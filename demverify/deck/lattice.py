@@ -106,8 +106,8 @@ def lattice_points(setup: Setup) -> tuple[Floats, Ints]:
     assert box is not None
     corners = np.stack(np.meshgrid(*zip(box.lo, box.hi, strict=True)), axis=-1).reshape(-1, 3)
     reach = lattice.from_box(corners)
-    if (cells := float(np.prod(np.ptp(reach, axis=0) + 3.0))) * len(lattice.basis) > _MOST_POINTS:
-        raise InputError(f"the lattice has {cells:.1e} cells in this box, more than {_MOST_POINTS:.0e} points")
+    if (count := float(np.prod(np.ptp(reach, axis=0) + 3.0))) * len(lattice.basis) > _MOST_POINTS:
+        raise InputError(f"the lattice has {count:.1e} cells in this box, more than {_MOST_POINTS:.0e} points")
     lo, hi = np.floor(reach.min(axis=0)).astype(int) - 1, np.ceil(reach.max(axis=0)).astype(int) + 1
     if setup.dimension == 2:
         lo[2] = hi[2] = 0

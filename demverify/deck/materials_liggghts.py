@@ -1,6 +1,6 @@
 """LIGGGHTS contact models -> ContactLaw and Wall: pair_style gran, fix property/global, fix wall/gran with primitives.
 
-The rules are those of LIGGGHTS 3.8.0 as measured (shared reference liggghts-conventions, sections 2 to 5 and 8).
+The rules are those of LIGGGHTS 3.8.0 as measured (tests/demverify/deck_materials/test_against_liggghts.py).
 """
 
 from __future__ import annotations

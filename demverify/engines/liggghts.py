@@ -60,7 +60,8 @@ def _environment(scratch: Path) -> dict[str, str]:
     folder = lammps.library_folder()
     paths = os.environ.get("LD_LIBRARY_PATH", "").split(":")
     kept = [path for path in paths if path and (folder is None or Path(path).resolve() != folder)]
-    return {**clean_environment(), "LD_LIBRARY_PATH": ":".join(kept), "OMPI_MCA_ess_singleton_isolated": "1", "OMPI_MCA_orte_tmpdir_base": str(scratch)}
+    alone = {"OMPI_MCA_ess_singleton_isolated": "1", "OMPI_MCA_orte_tmpdir_base": str(scratch)}
+    return {**clean_environment(), "LD_LIBRARY_PATH": ":".join(kept), **alone}
 
 
 def _help(program: str) -> str:

@@ -22,9 +22,10 @@ if TYPE_CHECKING:
     from demverify.formats.dump import DumpWriter
     from demverify.frames import Frame
 
-TRAJECTORY = (
-    ["id", "type", "x", "y", "z", "ix", "iy", "iz", "vx", "vy", "vz", "fx", "fy", "fz", "omegax", "omegay", "omegaz", "tqx", "tqy", "tqz", "radius", "mass"]
-)  # fmt: skip
+TRAJECTORY = [
+    "id", "type", "x", "y", "z", "ix", "iy", "iz", "vx", "vy", "vz", "fx", "fy", "fz",
+    "omegax", "omegay", "omegaz", "tqx", "tqy", "tqz", "radius", "mass",
+]  # fmt: skip
 PATIENCE_S = 0.5  # between two signs of life
 
 

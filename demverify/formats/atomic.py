@@ -37,10 +37,10 @@ def undisturbed() -> Iterator[None]:
     try:
         yield
     finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)
-    for number in came:
-        signal.raise_signal(number)
+        for known, handler in before.items():
+            signal.signal(known, handler)
+    for caught in came:
+        signal.raise_signal(caught)
 
 
 @contextmanager

@@ -60,7 +60,7 @@ class _Tables:
         if len(words) != len(self._head):
             return False
         row = [_number(word) for word in words]
-        if any(word.lstrip("-+").lower() != "nan" and value != value for word, value in zip(words, row, strict=True)):
+        if any(word.lstrip("-+").lower() != "nan" and np.isnan(value) for word, value in zip(words, row, strict=True)):
             return False
         if "Step" in self._head:
             at = self._head.index("Step")

@@ -80,9 +80,8 @@ def difference_picture(
     parts.append(_limits(last, x_axis, y_axis, envelope, first, tolerances))
     for index, curve in curves.items():
         parts.append(_line(*_places(curve.step - first, curve.value, x_axis, y_axis), pair_stroke(index)))
-    for check in failed:
-        if np.isfinite(check.max_rel):
-            parts.append(_cross(*_places(np.array([check.step - first]), np.array([check.max_rel]), x_axis, y_axis)))
+    marks = (c for c in failed if np.isfinite(c.max_rel))
+    parts += [_cross(*_places(np.array([c.step - first]), np.array([c.max_rel]), x_axis, y_axis)) for c in marks]
     worst = "; ".join(f"{' and '.join(c.engines)} at most {scientific(float(np.max(c.value)))}" for c in curves.values())
     label = f"relative difference of {quantity} over the steps: {worst}"
     return _frame(f"{quantity}", label, x_axis, y_axis, "".join(parts), "steps since the set-up", "relative difference")

@@ -18,7 +18,9 @@ if TYPE_CHECKING:
 MARK = {"pass": "[green]pass[/]", "fail": "[red]fail[/]", "skipped": "[yellow]skipped[/]", "crashed": "[red]crashed[/]"}
 
 
-COLUMNS = {"force": "force", "torque": "torque", "position": "motion", "velocity": "motion", "omega": "motion", "ke": "energies", "erotate": "energies"}
+COLUMNS = {
+    "force": "force", "torque": "torque", "position": "motion", "velocity": "motion", "omega": "motion", "ke": "energies", "erotate": "energies",
+}  # fmt: skip
 TIERS = {1: "one state", 2: "200 steps", 3: "long run"}
 
 

@@ -158,7 +158,8 @@ class Simulation:
         return n.every, n.delay, n.check, (0.5 * n.skin) ** 2
 
     def _shifts(self) -> Floats:
-        return neighbors.SHIFTS * (self.box_hi - self.box_lo)
+        shifts: Floats = neighbors.SHIFTS * (self.box_hi - self.box_lo)
+        return shifts
 
     def _run(self, start: int, steps: int) -> tuple[int, bool]:
         done, self._age, due = self._kernel.run_steps(
@@ -185,7 +186,10 @@ class Simulation:
         """Raises Unstable; looks at everything that moves, or only at `names`."""
         for name in names or ("x", "v", "omega", "force", "torque"):
             if not np.isfinite(getattr(self.bodies, name)).all():
-                message = f"{_SAID[name]} became infinite by step {self.step}: the timestep {self.scene.timestep:g} is too long, or particles overlap too far"
+                message = (
+                    f"{_SAID[name]} became infinite by step {self.step}: the timestep {self.scene.timestep:g} is too long, "
+                    "or particles overlap too far"
+                )
                 raise Unstable(message)
 
     def _shrink(self) -> None:

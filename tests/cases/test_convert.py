@@ -77,7 +77,8 @@ def test_a_wall_with_a_law_of_its_own_becomes_a_type(tmp_path: Path) -> None:
     deck.write_text(
         LAMMPS.format(
             pair="pair_style gran/hooke/history 2e5 NULL 50 NULL 0.5 1\npair_coeff * *",
-            fix="fix w all wall/gran granular hooke 1e5 30 tangential linear_history 3e4 0.5 0.2 damping mass_velocity zplane 0 NULL\nfix n all nve/sphere",
+            fix="fix w all wall/gran granular hooke 1e5 30 tangential linear_history 3e4 0.5 0.2 damping mass_velocity zplane 0 NULL\n"
+            "fix n all nve/sphere",
         )
     )
     found = convert(plan(deck, {}), "liggghts", tmp_path / "in.liggghts")
@@ -91,15 +92,15 @@ def test_a_wall_with_a_law_of_its_own_becomes_a_type(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("pair", "fragment"),
     [
-        ("pair_style granular\npair_coeff * * hertz/material 1e6 0.5 0.3 tangential mindlin NULL 1 0.3 damping coeff_restitution", "xt = 1: LIGGGHTS' model hertz has 0.907"),
-        ("pair_style granular\npair_coeff * * hertz/material 1e6 9.0 0.3 tangential mindlin NULL 1 0.3 damping velocity", "no law like normal hertz with damping velocity"),
-        ("pair_style granular\npair_coeff * * hertz 1e6 0.5 tangential mindlin 1e8 0 0.3 damping coeff_restitution", "no Young's moduli"),
+        ("hertz/material 1e6 0.5 0.3 tangential mindlin NULL 1 0.3 damping coeff_restitution", "xt = 1: LIGGGHTS' model hertz has 0.907"),
+        ("hertz/material 1e6 9.0 0.3 tangential mindlin NULL 1 0.3 damping velocity", "no law like normal hertz with damping velocity"),
+        ("hertz 1e6 0.5 tangential mindlin 1e8 0 0.3 damping coeff_restitution", "no Young's moduli"),
     ],
 )
 def test_what_cannot_be_said_is_an_error(pair: str, fragment: str, tmp_path: Path) -> None:
     """Law: a law the other engine does not have is refused in one line, and nothing is written."""
     deck = tmp_path / "in.lammps"
-    deck.write_text(LAMMPS.format(pair=pair, fix="fix n all nve/sphere"))
+    deck.write_text(LAMMPS.format(pair=f"pair_style granular\npair_coeff * * {pair}", fix="fix n all nve/sphere"))
     with pytest.raises(InputError, match=fragment):
         convert(plan(deck, {}), "liggghts", tmp_path / "in.liggghts")
     assert [path.name for path in tmp_path.iterdir()] == ["in.lammps"]

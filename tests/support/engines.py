@@ -83,6 +83,7 @@ def run_raw(command: list[str], folder: Path) -> tuple[int, str]:
         encoding="utf-8",
         errors="replace",
         timeout=60,
+        check=False,
     )
     return done.returncode, done.stdout
 

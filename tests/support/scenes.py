@@ -26,7 +26,8 @@ def spheres(x: np.ndarray, radius: np.ndarray, *, v: np.ndarray | None = None, o
     zero = np.zeros((n, 3))
     mass = density * 4 / 3 * np.pi * radius**3
     numbers = np.arange(1, n + 1), np.ones(n, dtype=int)
-    return Particles(*numbers, x, zero if v is None else v, zero if omega is None else omega, radius, mass, np.ones(n, dtype=int), np.zeros((n, 3), int))
+    motion = zero if v is None else v, zero if omega is None else omega
+    return Particles(*numbers, x, *motion, radius, mass, np.ones(n, dtype=int), np.zeros((n, 3), int))
 
 
 @cache

@@ -25,9 +25,10 @@ ENTRY: dict[Family, str] = {
     "tangential_damping": "coefficient",
     "friction": "force",
 }
-GIVEN = frozenset(
-    ["overlap", "reff", "meff", "contact_radius", "vn", "normal_elastic", "stiffness", "gn", "kt", "gt", "normal_force", "sx", "sy", "sz", "nx", "ny", "nz", "vtx", "vty", "vtz", "dt", "advance"]
-)
+GIVEN = frozenset({
+    "overlap", "reff", "meff", "contact_radius", "vn", "normal_elastic", "stiffness", "gn", "normal_force", "kt", "gt",
+    "nx", "ny", "nz", "vtx", "vty", "vtz", "sx", "sy", "sz", "dt", "advance",
+})  # fmt: skip
 
 
 def listing(family: Family) -> tuple[str, ...]:

@@ -5,7 +5,7 @@
     else:              Ft = -kt s - gt vt
 
 Only the spring obeys |.| <= mu |Fn|: a sticking contact may exceed the bound without limit through its damping. Source:
-LIGGGHTS documentation, gran tangential history; shared reference liggghts-conventions section 5 (measured). Not: rescaled when
+LIGGGHTS documentation, gran tangential history; measured, test_against_liggghts.py. Not: rescaled when
 the contact unloads.
 """
 

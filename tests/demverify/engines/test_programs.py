@@ -22,7 +22,7 @@ both = pytest.mark.parametrize(
 
 
 def frames(path: Path) -> list[tuple[int, np.ndarray]]:
-    """(step, (n, columns) values) of every frame of a binary dump, as reference/engines-and-dialects.md section 2 lays it out."""
+    """(step, (n, columns) values) of every frame of a binary dump."""
     data, at, found = path.read_bytes(), 0, []
 
     def take(layout: str) -> tuple[int, ...]:
@@ -57,7 +57,7 @@ def left_in(folder: Path) -> list[str]:
     found = []
     for process in Path("/proc").glob("[0-9]*"):
         with suppress(OSError):  # gone meanwhile, or not ours to look at
-            found += [process.name] if os.readlink(process / "cwd") == str(folder.resolve()) else []
+            found += [process.name] if (process / "cwd").readlink() == folder.resolve() else []
     return found
 
 

@@ -121,7 +121,7 @@ def passing():
 def chaos():
     """A long run: chaos late, bulk judged."""
     steps = [0, 50, 100, 200, *range(500, 10_001, 250)]
-    return report([c for p in PAIRS for c in checks_of(p, steps, 4e-3)], "shared/data/lammps-bench/in.chute", rates=4e-3)
+    return report([c for p in PAIRS for c in checks_of(p, steps, 4e-3)], "bench/in.chute", rates=4e-3)
 
 
 def failing():
