@@ -183,13 +183,17 @@ def _joined_vars(arguments: list[str]) -> list[str]:
 
 @contextmanager
 def _bars() -> Iterator[Any]:
-    """A progress bar on stderr for each engine that runs longer than a moment."""
+    """A progress bar on stderr for each engine, where there is somebody to see it."""
+    if not sys.stderr.isatty():
+        yield lambda label: None
+        return
     from rich.console import Console
-    from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+    from rich.progress import BarColumn, TextColumn, TimeRemainingColumn
+    from rich.progress import Progress as Bars
 
-    console = Console(stderr=True)
-    columns = (TextColumn("{task.description:>18}"), BarColumn(), TextColumn("{task.completed:>9.0f} of {task.total:.0f} steps"), TimeRemainingColumn())
-    with Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as bars:
+    steps = TextColumn("{task.completed:>9.0f} of {task.total:.0f} steps")
+    columns = (TextColumn("{task.description:>18}"), BarColumn(), steps, TimeRemainingColumn())
+    with Bars(*columns, console=Console(stderr=True), transient=True) as bars:
 
         def watch(label: str) -> Progress:
             task = bars.add_task(label, total=1)
@@ -218,7 +222,7 @@ def main() -> None:
 
 def _status() -> int:
     """Runs the command. Typer's own complaints are shortened to one line; an interruption comes back from it as 130."""
-    usage = typer.BadParameter.__bases__[0]  # UsageError: of click, or of typer where it has a copy of its own
+    usage: type[Exception] = typer.BadParameter.__bases__[0]  # UsageError: of click, or of typer where it has a copy of its own
     try:
         status = app(args=_joined_vars(sys.argv[1:]), prog_name="demverify", standalone_mode=False) or 0
     except usage as error:

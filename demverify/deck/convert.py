@@ -93,6 +93,7 @@ class _Translator:
             self._type_walls()
         self.handover = self.ntypes > self.setup.ntypes or any(_draws(e) or e.words[0] == "read_data" for e in plan.interpreter.executed)
         self._handed = self._ran = self._paired = False
+        self._written: dict[str, list[str]] = {}  # ID of a fix -> those it has become
 
     def translate(self) -> Conversion:
         lines = [f"# {self.target} deck written by demverify from {self.plan.deck.name}"]
@@ -110,6 +111,9 @@ class _Translator:
             if not self._ran and "lost" not in self.setup.thermo.modify:  # the dialects differ in the default
                 yield f"thermo_modify lost {LOST[self.plan.dialect]}"
             self._ran = True
+        if self._ran and (name in ("pair_style", "pair_coeff") or (name == "fix" and words[3] in ("wall/gran", "property/global"))):
+            message = f"{' '.join(words[:4])}: contact laws that change between runs are not converted"
+            raise InputError(message, executed.place)
         if name in STATE and self.handover and not self._ran:
             yield from self._hand_over(name)
         elif name == "variable" and words[2:3] == ("equal",):
@@ -177,7 +181,7 @@ class _Translator:
         if style == "wall/gran":
             yield from self._wall(words)
         elif style in ("property/global", "check/timestep/gran"):
-            return
+            self._written[words[1]] = []
         elif style == "nve/sphere" and self.target == "liggghts":
             yield " ".join(words[:4])
         elif style == "nve/sphere" and self.setup.dimension == 2:
@@ -186,17 +190,27 @@ class _Translator:
             yield " ".join(words)
 
     def _wall(self, words: tuple[str, ...]) -> Iterator[str]:
-        index = [wall.name for wall in self.scene.walls].index(words[1])
+        names = [wall.name for wall in self.scene.walls]
+        written = self._written[words[1]] = []
+        if words[1] not in names:  # taken away again before the first run
+            return
+        index = names.index(words[1])
         wall = self.scene.walls[index]
         head = " ".join(("fix", words[1], words[2], "wall/gran"))
         if any(wall.velocity):
             message = f"fix {words[1]}: a moving wall is not converted"
             raise InputError(message, self.place)
         if self.target == "lammps":
+            written.append(words[1])
             yield f"{head} {laws.lammps_wall(wall, self.scene.particles, self.place)}"
             return
         for k, text in enumerate(laws.liggghts_walls(wall, laws.liggghts_style(self.walls[index], self.place), self.wall_types[index])):
-            yield f"{head} {text}" if k == 0 else f"fix {words[1]}_{k} {words[2]} wall/gran {text}"
+            written.append(words[1] if k == 0 else f"{words[1]}_{k}")
+            yield f"fix {written[-1]} {words[2]} wall/gran {text}"
+
+    def _unfix(self, words: tuple[str, ...]) -> Iterator[str]:
+        for name in self._written.pop(words[1], [words[1]]):
+            yield f"unfix {name}"
 
     def _compute(self, words: tuple[str, ...]) -> Iterator[str]:
         yield " ".join((*words[:3], "erotate/sphere" if self.target == "lammps" and words[3] == "erotate" else words[3], *words[4:]))
@@ -227,6 +241,7 @@ COMMANDS: dict[str, Callable[[_Translator, tuple[str, ...]], Iterator[str]]] = {
     "atom_style": _Translator._atom_style,
     "pair_style": _Translator._pair_style,
     "fix": _Translator._fix,
+    "unfix": _Translator._unfix,
     "compute": _Translator._compute,
     "thermo_style": _Translator._thermo_style,
     "dump_modify": _Translator._dump_modify,

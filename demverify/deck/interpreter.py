@@ -13,7 +13,7 @@ from demverify.deck.variables import Variables
 from demverify.errors import InputError, Place
 
 _CONTROL = ("include", "jump", "label", "next", "if", "quit")  # unrolled: `executed` holds what they led to, not them
-_MOST_COMMANDS = 1_000_000  # more than any deck needs; a `jump` without an end stops here
+_MOST_COMMANDS = 100_000  # more than any deck needs; a `jump` without an end stops here
 _MOST_FILES = 16  # nested includes, as LAMMPS
 
 

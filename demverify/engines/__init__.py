@@ -9,7 +9,7 @@ from demverify.engines.base import Engine
 
 
 def _listing() -> dict[str, Engine]:
-    modules = (import_module(f"{__name__}.{info.name}") for info in iter_modules(__path__))
+    modules = (import_module(f"{__name__}.{info.name}") for info in iter_modules(__path__) if info.name[0] != "_")
     return {module.ENGINE.name: module.ENGINE for module in modules if hasattr(module, "ENGINE")}
 
 

@@ -174,7 +174,7 @@ class _Copy:
             self.total = None
         elif words[0] == "run" and self.total is not None:
             steps = self._values(words[1]) if len(words) > 1 else []
-            plain = len(steps) == 1 and steps[0].isdigit() and "upto" not in words
+            plain = len(steps) == 1 and steps[0].isdecimal() and "upto" not in words
             self.total = self.total + int(steps[0]) if plain else None
 
     def _values(self, word: str) -> list[str]:

@@ -56,7 +56,7 @@ def _listing(folder: Path) -> str:
 def _natural(path: Path) -> list[tuple[int, int | str]]:
     """Sort key that takes digits as numbers."""
     words = [word for word in re.split(r"(\d+)", str(path)) if word]
-    return [(0, int(word)) if word.isdigit() else (1, word) for word in words]
+    return [(0, int(word)) if word.isdecimal() else (1, word) for word in words]
 
 
 def _is_binary(path: Path) -> bool:
@@ -143,7 +143,7 @@ def _sort_key(spec: DumpSpec) -> tuple[str, int] | None:
     if spec.sort in (None, "off", "id"):  # frames come sorted by id
         return None
     digits = (spec.sort or "").removeprefix("-")
-    if not digits.isdigit() or not 1 <= int(digits) <= len(spec.columns):
+    if not digits.isdecimal() or not 1 <= int(digits) <= len(spec.columns):
         message = f"dump {spec.id}: sort key {spec.sort!r} is not off, id or a column from 1 to {len(spec.columns)}"
         raise InputError(message, spec.place)
     return spec.columns[int(digits) - 1], -1 if (spec.sort or "").startswith("-") else 1

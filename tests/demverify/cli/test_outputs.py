@@ -63,7 +63,7 @@ LIGGGHTS = (
 ENGINES = {"lammps": (LAMMPS, require_lammps), "liggghts": (LIGGGHTS, require_liggghts)}
 
 
-def table(path: Path) -> tuple[list[str], np.ndarray]:  # type: ignore[type-arg]
+def table(path: Path) -> tuple[list[str], np.ndarray]:
     """Heads and numbers of a thermo.csv."""
     head, *rows = csv.reader(path.open())
     return head, np.array(rows, dtype=float)
