@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from demverify.compare import TIER2_STEPS
 from demverify.deck.dialects import detect_dialect
 from demverify.deck.dry import DryBackend, DryRun, NeedsRun
 from demverify.deck.interpreter import Interpreter
@@ -106,9 +107,11 @@ def plan(deck: Path, variables: Mapping[str, Sequence[str]]) -> Plan:
 
 def frame_interval(steps: int, particles: int) -> int:
     """Steps between frames of a comparison: at most 200 frames and 500,000 rows, at least 5 frames, the last step among them if any
-    such interval divides the steps."""
+    such interval divides the steps. Longer runs get more frames, up to 1,000 and 2,000,000 rows, so that some fall within tier 2."""
     frames = min(MOST_FRAMES, max(LEAST_FRAMES, MOST_ROWS // max(1, particles)))
     least = max(1, -(-steps // frames))
+    if least > TIER2_STEPS and steps <= 1000 * TIER2_STEPS and steps // TIER2_STEPS * particles <= 4 * MOST_ROWS:
+        return next((every for every in range(TIER2_STEPS, TIER2_STEPS // 2, -1) if steps % every == 0), TIER2_STEPS)
     return next((every for every in range(least, 2 * least + 1) if steps % every == 0), least)
 
 

@@ -19,3 +19,9 @@ def test_any_number_of_steps_has_an_interval(steps: int, particles: int) -> None
     every = frame_interval(steps, particles)
     assert every >= 1
     assert steps // every <= 200
+
+
+@pytest.mark.parametrize(("steps", "particles"), [(5000, 32_000), (100_000, 1000), (200_000, 2)])
+def test_longer_runs_have_frames_within_tier_two(steps: int, particles: int) -> None:
+    """Law: of a run that fits into memory so, some frames fall within the first 200 steps."""
+    assert frame_interval(steps, particles) <= 200

@@ -169,6 +169,21 @@ def test_an_engine_that_crashes(demverify: Call, write: Write, tmp_path: Path) -
     assert {check["outcome"] for check in report["checks"]} == {"crashed"}
 
 
+@pytest.mark.liggghts
+def test_liggghts_lets_particles_go(demverify: Call, write: Write, tmp_path: Path) -> None:
+    """Where LAMMPS stops at a lost particle, LIGGGHTS goes on without it: so does the native engine with its decks, and conversion says so."""
+    require_liggghts()
+    text = LIGGGHTS.format(mu=0.5).replace("vx 0.5", "vx -100").replace("run 1200", "run 1000")
+    path = write(text + "thermo_style custom step atoms\nrun 10\n", "in.liggghts")
+    last = {}
+    for engine in ("native", "liggghts"):
+        assert demverify("run", path, "--engine", engine, "--out", tmp_path / engine).status == 0
+        last[engine] = (tmp_path / engine / "thermo.csv").read_text().split()[-1]
+    assert last == {"native": "1010,1", "liggghts": "1010,1"}
+    assert demverify("convert", path, "--to", "lammps", "-o", tmp_path / "in.lammps").status == 0
+    assert "thermo_modify lost ignore\n" in (tmp_path / "in.lammps").read_text()
+
+
 @pytest.mark.lammps
 def test_an_engine_that_dies_before_its_first_step(demverify: Call, write: Write, tmp_path: Path) -> None:
     """A log without any table is a crash, not wrong input of ours: LAMMPS refuses a command, and its words come through."""

@@ -69,7 +69,7 @@ DECKS = {
 TOKENS = [
     "0", "1", "-1", "2", "1.5", "1e300", "-1e-300", "nan", "inf", "INF", "EDGE", "NULL", "*", "*2", "2*", "1*1", ":", "1:", "²",
     "1_0", "0x10", "99999999999999999999", "all", "half", "right", "units", "box", "x", "z", "vx", "v_e", "v_no", "c_rot",
-    "c_rot[1]", "f_down", "${n}", "${no}", "$n", "$", "${", "$(", "$(1/0)", "$(step)", "$(v_e:%d)", "'", "\"", "\"\"\"", "#", "&",
+    "c_rot[1]", "f_down", "${n}", "${no}", "$n", "$", "${", "$(", "$(1/0)", "$(step)", "$(v_e:%d)", "'", '"', '"""', "#", "&",
     "%d", "%s", "%.3f", "yes", "no", "off", "id", "none", "run", "fix", "set", "group", "region", "variable", "model", "history",
     "custom", "include", "zplane", "scale", "basis", "1", "then", "else", "loop", "equal", "é", "٣",
 ]  # fmt: skip
