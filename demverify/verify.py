@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 from pathlib import Path
 from typing import Any, Literal
 
@@ -12,7 +13,7 @@ import numpy as np
 from demverify import laws, register
 from demverify.cases import DECKS, Case, load_case
 from demverify.chaos import Envelope, nudge
-from demverify.compare import KNOWN, Check, compare_law, compare_series, explain, not_judged, verdict
+from demverify.compare import KNOWN, TIER2_STEPS, Check, compare_law, compare_series, explain, not_judged, verdict
 from demverify.deck.convert import convert
 from demverify.deck.setup import Dialect
 from demverify.engines import ENGINES
@@ -20,9 +21,11 @@ from demverify.engines.base import Job, Progress
 from demverify.errors import InputError, Place
 from demverify.frames import Frame
 from demverify.report.content import DifferenceCurve, EnergySeries, EngineInfo, Report, difference_curves
+from demverify.rules import under_liggghts_rules
 from demverify.runs import Plan, Run, execute, frame_interval, plan
 
-DIALECTS: tuple[Dialect, ...] = ("lammps", "liggghts")
+DIALECTS: tuple[Dialect, Dialect] = ("lammps", "liggghts")
+SAME_RULES = "native, LIGGGHTS' rules"  # on the LAMMPS deck
 NOT_CONVERTED = "not converted"
 Watch = Callable[[str], Progress | None]
 
@@ -80,7 +83,10 @@ def compare_case(case: Case, out: Path, settings: Settings, watch: Watch, rows: 
     envelopes: dict[Dialect, Envelope] = {}
     for dialect, known in plans.items():
         runs |= _run_dialect(known, _label(dialect, plans), case.every, out, settings, watch, envelopes)
-    checks = [*_pair_checks(plans, runs, envelopes, (*case.accept, *settings.accept)), *_law_checks(case, runs), *_not_converted(plans, rows)]
+    checks = [*_pair_checks(plans, runs, envelopes), *_law_checks(case, runs), *_not_converted(plans, rows)]
+    if any(check.engines == DIALECTS and check.outcome == "fail" for check in checks):
+        same = _same_scene(plans, runs, envelopes, settings, out, watch)
+        checks = [*_accepted(checks, same, plans, (*case.accept, *settings.accept)), *same]
     return Comparison(checks, runs, _report(case, plans, runs, checks, envelopes, rows))
 
 
@@ -123,42 +129,73 @@ def _run_dialect(
     return found
 
 
-def _pair_checks(
-    plans: Mapping[Dialect, Plan], runs: Mapping[str, Run], envelopes: Mapping[Dialect, Envelope], accepted: Sequence[str]
-) -> list[Check]:
+def _pair_checks(plans: Mapping[Dialect, Plan], runs: Mapping[str, Run], envelopes: Mapping[Dialect, Envelope]) -> list[Check]:
     checks: list[Check] = []
     for dialect, known in plans.items():
         native = next((run for run in runs.values() if run.outcome.engine == "native" and run.dialect == dialect), None)
         if native and dialect in runs:
-            checks += _compare(native, runs[dialect], envelopes.get(dialect), known, ())
+            checks += _compare(native, runs[dialect], envelopes.get(dialect), known)
     if "lammps" in runs and "liggghts" in runs:
-        checks += _compare(runs["lammps"], runs["liggghts"], envelopes.get("lammps"), plans["lammps"], accepted)
+        checks += _compare(runs["lammps"], runs["liggghts"], envelopes.get("lammps"), plans["lammps"])
     if not checks:
         first, last = next(iter(runs)), list(runs)[-1]
         checks.append(not_judged("all", (first, last), "skipped", "only one engine ran; give a deck that two can run, or install another"))
     return checks
 
 
-def _compare(a: Run, b: Run, envelope: Envelope | None, known: Plan, accepted: Sequence[str]) -> list[Check]:
+def _compare(a: Run, b: Run, envelope: Envelope | None, known: Plan) -> list[Check]:
     engines = (a.label, b.label)
     for run in (a, b):
         if run.outcome.status != "ok":
             outcome: Literal["crashed", "skipped"] = "crashed" if run.outcome.status == "crashed" else "skipped"
             return [not_judged("all", engines, outcome, f"{run.label}: {run.outcome.reason}")]
     checks = compare_series(a.frames, b.frames, engines, envelope)
+    return explain(checks, _entries(known, engines))
+
+
+def _entries(known: Plan, engines: Sequence[str]) -> tuple[register.Entry, ...]:
+    """Known deviations between two engines on this deck."""
     names = {"native" if label.startswith("native") else label for label in engines}
-    features = register.features_of(known.runs[-1].setup, len(known.runs))
-    entries = register.applying(known.dialect, features, names)
-    checks = explain(checks, entries)
-    lived_with = [entry.id for entry in entries if entry.id in accepted]
-    return [_accepted(check, lived_with) for check in checks] if lived_with else checks
+    return register.applying(known.dialect, register.features_of(known.runs[-1].setup, len(known.runs)), names)
 
 
-def _accepted(check: Check, lived_with: Sequence[str]) -> Check:
-    """A known difference that the user or the case accepts is not judged; the native engine reproduces it in each dialect."""
+def _same_scene(
+    plans: Mapping[Dialect, Plan], runs: Mapping[str, Run], envelopes: Mapping[Dialect, Envelope], settings: Settings, out: Path, watch: Watch
+) -> list[Check]:
+    """Whether the two decks describe the same scene: the LAMMPS deck under LIGGGHTS' rules against the LIGGGHTS deck, both native.
+
+    Over the steps of tier 2; nothing where one of the native runs is missing.
+    """
+    ours, theirs = runs.get("native"), runs.get("native-liggghts")
+    if not ours or not theirs or theirs.outcome.status != "ok":
+        return []
+    every = theirs.frames[1].step - theirs.frames[0].step if len(theirs.frames) > 1 else 1
+    job = Job(plans["lammps"].deck, out / "native-rules", dict(settings.variables), every, settings.timeout_s, 1, settings.threads)
+    other = plans["liggghts"].runs[0].scene
+    most = max(TIER2_STEPS, every)
+    swapped = execute("native", "native", job, watch("same scene?"), keep=True, rules=partial(under_liggghts_rules, other=other), most=most)
+    last = swapped.frames[-1].step if swapped.frames else -1
+    frames = [frame for frame in theirs.frames if frame.step <= last]
+    checks = compare_series(swapped.frames, frames, (SAME_RULES, theirs.label), envelopes.get("liggghts"))
+    why = "the two decks do not describe the same scene: under the same rules they still differ"
+    return [replace(c, reason="; ".join(filter(None, [why, c.reason]))) if c.outcome == "fail" else c for c in checks]
+
+
+def _accepted(checks: Sequence[Check], same: Sequence[Check], plans: Mapping[Dialect, Plan], accepted: Sequence[str]) -> list[Check]:
+    """LAMMPS against LIGGGHTS where the rules alone explain the difference: not judged if the user or the case accepts that, else failed
+    with that reason."""
+    if not same or any(check.outcome == "fail" for check in same):
+        return list(checks)
+    lived_with = [entry.id for entry in _entries(plans["lammps"], DIALECTS) if entry.id in accepted]
+    return [_explained(check, lived_with) if check.engines == DIALECTS else check for check in checks]
+
+
+def _explained(check: Check, lived_with: Sequence[str]) -> Check:
     if check.outcome != "fail" or not np.isfinite(check.max_rel) or check.quantity in ("ids", "steps"):
         return check
-    return replace(check, outcome="skipped", reason=KNOWN + ", ".join(lived_with))
+    if lived_with:
+        return replace(check, outcome="skipped", reason=KNOWN + ", ".join(lived_with))
+    return replace(check, reason=f"{check.reason}; under the same rules the decks do the same")
 
 
 def _law_checks(case: Case, runs: Mapping[str, Run]) -> list[Check]:

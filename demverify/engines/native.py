@@ -16,7 +16,7 @@ from demverify.engines.base import Found, Job, Missing, Outcome, Progress
 from demverify.errors import InputError
 
 if TYPE_CHECKING:
-    from demsolver import EnergyBudget, Simulation
+    from demsolver import EnergyBudget, Scene, Simulation
     from demverify.deck.setup import DumpSpec, Setup
     from demverify.formats.columns import Snapshot
     from demverify.formats.dump import DumpWriter
@@ -52,7 +52,8 @@ class _OpenDump:
 class NativeBackend:
     """Runs what the interpreter hands over.
 
-    nudge: moves the positions of the first run, for the chaos envelope. keep: keep frames in memory. budget: keep the energy account.
+    nudge: moves the positions of the first run, for the chaos envelope. rules: changes the scene of every run. most: stop after so many
+    steps. keep: keep frames in memory. budget: keep the energy account.
     """
 
     def __init__(
@@ -63,6 +64,8 @@ class NativeBackend:
         threads: int = 1,
         budget: bool = False,
         nudge: Callable[[Any], Any] | None = None,
+        rules: Callable[[Scene], Scene] | None = None,
+        most: int | None = None,
         keep: bool = False,
         progress: Progress | None = None,
     ) -> None:
@@ -71,6 +74,7 @@ class NativeBackend:
         self._said = 0
         self._folder, self._every, self._threads, self._budget = folder, every, threads, budget
         self._nudge, self._keep, self._progress = nudge, keep, progress
+        self._rules, self._most = rules, most
         self._simulation: Simulation | None = None
         self._files = ExitStack()
         self._dumps: dict[str, _OpenDump] = {}
@@ -115,6 +119,7 @@ class NativeBackend:
 
     def run(self, setup: Setup, steps: int) -> None:
         """One `run` command."""
+        steps = steps if self._most is None else min(steps, self._most - self.outputs.steps)
         simulation = self._prepare(setup)
         run = _Run(self, setup, simulation, steps)
         simulation.setup()  # compiles the loop too, the first time
@@ -126,6 +131,10 @@ class NativeBackend:
         self.outputs.loop_s += perf_counter() - began
         self.outputs.steps += steps
         self.outputs.particle_steps += steps * len(simulation.id)
+        if self.outputs.steps == self._most:
+            from demverify.deck.interpreter import Quit
+
+            raise Quit
 
     def value(self, setup: Setup, keyword: str) -> float:
         """A value for a formula: from the running simulation, else from the state of the deck."""
@@ -145,6 +154,7 @@ class NativeBackend:
         from demverify.engines._outputs import keywords_of
 
         scene = scene_of(setup)
+        scene = self._rules(scene) if self._rules else scene
         virial = "press" in keywords_of(setup)
         if self._simulation is None:
             if self._nudge is not None:

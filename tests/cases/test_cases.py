@@ -9,7 +9,7 @@ import pytest
 from demverify import register
 from demverify.cases import load_case
 from demverify.compare import TIER1, TIER2, verdict
-from demverify.verify import Settings, compare_case
+from demverify.verify import DIALECTS, SAME_RULES, Settings, compare_case
 from tests.support.engines import require_lammps, require_liggghts
 
 INPUTS = Path(__file__).parents[2] / "inputs"
@@ -45,15 +45,33 @@ def test_a_case_is_whole(name: str) -> None:
 
 @pytest.mark.lammps
 @pytest.mark.liggghts
+def test_the_rules_alone_are_named_but_not_excused(tmp_path: Path) -> None:
+    """Law: a difference that only the engines' rules make fails unless accepted; its reason names the entries, and says that under the
+    same rules the decks do the same."""
+    require_lammps()
+    require_liggghts()
+    for name in ("in.lammps", "in.liggghts"):
+        (tmp_path / name).write_text((INPUTS / "wall-oblique" / name).read_text())
+    found = compare_case(load_case(tmp_path), tmp_path / "out", Settings(), lambda label: None)
+    wrong = [c for c in found.checks if c.outcome == "fail"]
+    assert {c.engines for c in wrong} == {DIALECTS}
+    assert all("explained by liggghts-contact-arm" in c.reason and c.reason.endswith("the decks do the same") for c in wrong)
+
+
+@pytest.mark.lammps
+@pytest.mark.liggghts
 def test_two_laws_do_not_agree(tmp_path: Path) -> None:
-    """Law (what must be rejected): the same scene with another friction coefficient in one deck fails, and not as chaos."""
+    """Law (what must be rejected): the same scene with another friction coefficient in one deck fails, also where the case lives with
+    differences of the engines' rules: under the same rules the decks still differ."""
     require_lammps()
     require_liggghts()
     for name in ("in.lammps", "in.liggghts"):
         text = (INPUTS / "wall-oblique" / name).read_text()
         (tmp_path / name).write_text(text.replace("peratomtypepair 1 0.1", "peratomtypepair 1 0.1001") if "liggghts" in name else text)
-    found = compare_case(load_case(tmp_path), tmp_path / "out", Settings(), lambda label: None)
+    settings = Settings(accept=("liggghts-contact-arm",))
+    found = compare_case(load_case(tmp_path), tmp_path / "out", settings, lambda label: None)
     assert verdict(found.checks) == "fail"
     wrong = [c for c in found.checks if c.outcome == "fail"]
-    assert {c.engines for c in wrong} == {("lammps", "liggghts")}
+    assert {c.engines for c in wrong} == {DIALECTS, (SAME_RULES, "native-liggghts")}
     assert any(c.quantity == "force" for c in wrong)
+    assert any("do not describe the same scene" in c.reason for c in wrong)
