@@ -32,7 +32,7 @@ class Features:
     hooke and hertz, "gamma" for its stiffness models; "none" when the coefficient is zero. tangential: off, no_history, history.
     switches: limit_damping (LIGGGHTS limitForce), viscous, ktToKnUser. cylinders: axes x y z. computes, fixes: styles.
     thermo: columns.
-    friction: some coefficient is not zero. undamped_wall: a wall without normal damping. discs: spheres integrated as discs.
+    friction: some coefficient is not zero. tangential_damping: some law has it. undamped_wall: a wall without normal damping. discs: spheres integrated as discs.
     short_dumps: a dump without a format of its own. runs: number of `run` commands. particles: their number.
     """
 
@@ -47,6 +47,7 @@ class Features:
     fixes: Words = frozenset()
     thermo: Words = frozenset()
     friction: bool = False
+    tangential_damping: bool = False
     frozen: bool = False
     undamped_wall: bool = False
     discs: bool = False
@@ -61,6 +62,7 @@ NEEDS: dict[str, Callable[[Features], bool]] = {
     "walls": lambda f: bool(f.wall_styles),
     "cylinder": lambda f: bool(f.cylinders),
     "friction": lambda f: f.friction,
+    "tangential damping": lambda f: f.tangential_damping,
     "frozen": lambda f: f.frozen,
     "damping": lambda f: bool(f.damping - {"none"}),
     "unlimited damping": lambda f: bool(f.damping - {"none"}) and "limit_damping" not in f.switches,
@@ -224,7 +226,8 @@ def features_of(setup: Setup, runs: int) -> Features:
         computes=frozenset(compute.style for compute in setup.computes.values()),
         fixes=frozenset(fix.style for fix in setup.fixes.values()),
         thermo=frozenset(setup.thermo.columns),
-        friction=any(law.mu != 0 for law in laws) or _liggghts_friction(setup),
+        friction=any(law.mu != 0 for law in laws) or _liggghts_property(setup, "coefficientFriction"),
+        tangential_damping=any(law.rubs for law in laws) and (setup.dialect == "lammps" or _liggghts_rubs(setup)),
         frozen=any(fix.style == "freeze" for fix in setup.fixes.values()),
         undamped_wall=any(law.damping == "none" for fix in _walls(setup) for law in _wall_laws(fix)),
         discs=any("disc" in fix.args or (setup.dialect, setup.dimension) == ("liggghts", 2) for fix in integrators),
@@ -244,6 +247,7 @@ class _Law:
     tangential: str
     mu: float = 0.0
     switches: Words = frozenset()
+    rubs: bool = False  # has tangential damping
 
 
 def _pair_laws(setup: Setup) -> list[_Law]:
@@ -275,7 +279,9 @@ def _legacy(style: str, numbers: tuple[str, ...]) -> _Law:
     normal, _, memory = style.partition("/")
     damping = "none" if _number(numbers, 2) == 0 else "mass_velocity" if normal == "hooke" else "viscoelastic"
     switches = frozenset({"limit_damping"}) & frozenset(numbers)
-    return _Law(normal, damping, "history" if memory else "no_history", _number(numbers, 4), switches)
+    gammat = _number(numbers, 2) if numbers[3:4] == ("NULL",) else _number(numbers, 3)
+    rubs = gammat != 0 and _number(numbers, 5) == 1
+    return _Law(normal, damping, "history" if memory else "no_history", _number(numbers, 4), switches, rubs)
 
 
 def _granular(words: tuple[str, ...]) -> _Law:
@@ -284,7 +290,8 @@ def _granular(words: tuple[str, ...]) -> _Law:
     memory = {"none": "off", "linear_nohistory": "no_history"}.get(tangential, "history")
     mu_at = words.index(tangential) + (2 if memory == "no_history" else 3) if memory != "off" else len(words)
     damping = "none" if len(words) > 2 and _number(words, 2) == 0 else _after(words, "damping", "viscoelastic")
-    return _Law(words[0], damping, memory, _number(words, mu_at), frozenset({"limit_damping"}) & frozenset(words))
+    rubs = damping != "none" and _number(words, mu_at - 1) != 0 and memory != "off"
+    return _Law(words[0], damping, memory, _number(words, mu_at), frozenset({"limit_damping"}) & frozenset(words), rubs)
 
 
 def _liggghts(words: tuple[str, ...]) -> _Law:
@@ -293,12 +300,19 @@ def _liggghts(words: tuple[str, ...]) -> _Law:
     on = {name for name, state in pairwise(words) if state == "on"}
     switches = {"limit_damping" if name == "limitForce" else name for name in on}
     damping = "gamma" if normal.endswith("/stiffness") else "restitution"
-    return _Law(normal, damping, _after(words, "tangential", "off"), 0.0, frozenset(switches))
+    tangential = _after(words, "tangential", "off")
+    return _Law(normal, damping, tangential, 0.0, frozenset(switches), tangential != "off" and _after(words, "tangential_damping", "on") == "on")
 
 
-def _liggghts_friction(setup: Setup) -> bool:
+def _liggghts_property(setup: Setup, name: str, zero: float = 0.0) -> bool:
+    """Whether a property is given and any of its numbers is not `zero`."""
     properties = [fix.args for fix in setup.fixes.values() if fix.style == "property/global"]
-    return any(_number(args, k) != 0 for args in properties if args[:1] == ("coefficientFriction",) for k in range(3, len(args)))
+    return any(_number(args, k) != zero for args in properties if args[:1] == (name,) for k in range(3, len(args)))
+
+
+def _liggghts_rubs(setup: Setup) -> bool:
+    """Models hooke and hertz damp by their restitution, the stiffness models by gammat."""
+    return any(_liggghts_property(setup, name) for name in ("gammat", "gammat_abs")) or _liggghts_property(setup, "coefficientRestitution", 1.0)
 
 
 def _after(words: tuple[str, ...], keyword: str, default: str) -> str:

@@ -243,7 +243,7 @@ def _report(
         checks=checks,
         engines={label: engine_info(run) for label, run in runs.items()},
         series={label: _energies(run, plans[run.dialect]) for label, run in runs.items() if run.frames},
-        differences=difference_curves(checks),
+        differences=difference_curves(check for check in checks if check.engines[0] != SAME_RULES),
         envelope=[curve for dialect, envelope in envelopes.items() for curve in _envelope_curves(dialect, envelope, runs)],
         settings=_settings(plans, rows),
         entries=register.applying(first.dialect, features, names),

@@ -196,6 +196,7 @@ def test_features_of_a_legacy_deck() -> None:
         cylinders=frozenset({"z"}),
         fixes=frozenset({"wall/gran", "freeze"}),
         friction=True,
+        tangential_damping=True,  # of the pairs, gamma_t = gamma_n / 2; the wall has dampflag 0
         frozen=True,
         undamped_wall=True,
         short_dumps=True,
@@ -234,8 +235,12 @@ def test_features_of_a_liggghts_deck() -> None:
     setup.fixes = {"w": wall, "n": integrator}
     frictionless = features_of(setup, runs=1)
     setup.fixes["m"] = fix("m", "property/global", "coefficientFriction peratomtypepair 2 0 0 0 0.5")
+    setup.fixes["e"] = fix("e", "property/global", "coefficientRestitution peratomtypepair 2 1 1 1 1")
+    elastic = features_of(setup, runs=1)
+    setup.fixes["e"] = fix("e", "property/global", "coefficientRestitution peratomtypepair 2 1 0.5 0.5 1")
     found = features_of(setup, runs=1)
     assert (frictionless.friction, found.friction) == (False, True)
+    assert (elastic.tangential_damping, found.tangential_damping) == (False, True)
     assert found.normal == {"hooke", "hertz/stiffness"}
     assert found.tangential == {"history", "off"}
     assert found.switches == {"limit_damping"}
