@@ -109,15 +109,20 @@ def convert(
     to: Annotated[str, typer.Option(help="lammps or liggghts.")],
     output: Annotated[Path, typer.Option("-o", "--output", help="The deck to write; a data file goes beside it where one is needed.")],
     var: Var = None,
+    json: Json = None,
 ) -> None:
     """Write a deck in the other engine's words."""
     from demverify.deck.convert import convert as convert_deck
     from demverify.runs import plan
 
+    _check(json)
+
     if to not in ("lammps", "liggghts"):
         message = f"--to {to} is not one of lammps, liggghts"
         raise InputError(message)
     found = convert_deck(plan(deck, _variables(var)), to, output)  # type: ignore[arg-type]
+    if json:
+        _write(json, {"to": to, "deck": str(output), "mapped": [{"from": theirs, "to": ours} for theirs, ours, _ in found.rows]})
     for theirs, ours, _ in found.rows:
         print(f"{theirs}  ->  {ours}")
 
@@ -131,12 +136,16 @@ def doctor(json: Json = None) -> None:
     _check(json)
     rows = diagnose()
     if json:
-        import json as format_json
-
-        from demverify.report.json import write_whole
-
-        write_whole(json, format_json.dumps(rows, indent=1) + "\n")
+        _write(json, rows)
     print_doctor(rows)
+
+
+def _write(path: Path, what: object) -> None:
+    import json
+
+    from demverify.report.json import write_whole
+
+    write_whole(path, json.dumps(what, indent=1) + "\n")
 
 
 def _check(json: Path | None) -> None:

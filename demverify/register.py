@@ -32,7 +32,8 @@ class Features:
     hooke and hertz, "gamma" for its stiffness models; "none" when the coefficient is zero. tangential: off, no_history, history.
     switches: limit_damping (LIGGGHTS limitForce), viscous, ktToKnUser. cylinders: axes x y z. computes, fixes: styles.
     thermo: columns.
-    friction: some coefficient is not zero. tangential_damping: some law has it. undamped_wall: a wall without normal damping. discs: spheres integrated as discs.
+    friction: some coefficient is not zero. tangential_damping: some law has it.
+    undamped_wall: a wall without normal damping. discs: spheres integrated as discs.
     short_dumps: a dump without a format of its own. runs: number of `run` commands. particles: their number.
     """
 

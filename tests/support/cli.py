@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import signal
 import subprocess
 import sys
 from collections.abc import Callable
@@ -57,9 +58,15 @@ Call = Callable[..., Called]
 
 
 def program(*words: object, **options: object) -> subprocess.Popen[str]:
-    """`demverify` started as a process of its own."""
+    """`demverify` started as a process of its own, as from a terminal: a shell's background jobs inherit a SIGINT that is ignored."""
     command = [sys.executable, "-m", "demverify.cli", *map(str, words)]
-    return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, **options)  # type: ignore[call-overload, no-any-return]
+    return subprocess.Popen(  # type: ignore[call-overload, no-any-return]
+        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, preexec_fn=_heed_interrupts, **options
+    )
+
+
+def _heed_interrupts() -> None:
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
 
 
 def files_in(folder: Path) -> set[str]:
