@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import signal
 import subprocess
 import sys
@@ -60,9 +61,30 @@ Call = Callable[..., Called]
 def program(*words: object, **options: object) -> subprocess.Popen[str]:
     """`demverify` started as a process of its own, as from a terminal: a shell's background jobs inherit a SIGINT that is ignored."""
     command = [sys.executable, "-m", "demverify.cli", *map(str, words)]
-    return subprocess.Popen(  # type: ignore[call-overload, no-any-return]
+    process: subprocess.Popen[str] = subprocess.Popen(  # type: ignore[call-overload]
         command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, preexec_fn=_heed_interrupts, **options
     )
+    STARTED.append(process)
+    return process
+
+
+STARTED: list[subprocess.Popen[str]] = []
+"""What `program` started in this test; a test that fails leaves none of it running (`end_started`)."""
+
+
+def children(process: subprocess.Popen[str]) -> list[int]:
+    """Process ids of the processes that a process has started."""
+    return [int(word) for word in Path(f"/proc/{process.pid}/task/{process.pid}/children").read_text().split()]
+
+
+def end_started() -> None:
+    """Kills every program still running, and the engines it started."""
+    for process in STARTED:
+        if process.poll() is None:
+            for pid in [*children(process), process.pid]:
+                os.kill(pid, signal.SIGKILL)
+            process.wait()
+    STARTED.clear()
 
 
 def _heed_interrupts() -> None:

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from demverify import cli
-from tests.support.cli import Call, Called
+from tests.support.cli import Call, Called, end_started
 
 
 @pytest.fixture
@@ -28,6 +28,12 @@ def demverify(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str
 
     yield call
     signal.signal(signal.SIGTERM, before)
+
+
+@pytest.fixture(autouse=True)
+def _none_left_running() -> Iterator[None]:
+    yield
+    end_started()
 
 
 @pytest.fixture

@@ -16,7 +16,7 @@ from demverify.errors import InputError
 from demverify.formats.dump import read_dump
 from demverify.formats.h5md import read_h5md
 from demverify.formats.log import read_thermo
-from tests.support.cli import deck, files_in, program
+from tests.support.cli import children, deck, files_in, program
 from tests.support.engines import require_lammps
 
 Write = Callable[..., Path]
@@ -42,11 +42,6 @@ def frames(path: Path) -> list[int]:
         return [frame.step for frame in read_h5md(path)] if path.exists() else []
     except (InputError, OSError):
         return []
-
-
-def children(process: subprocess.Popen[str]) -> list[int]:
-    """Process ids of the processes that a process has started."""
-    return [int(word) for word in Path(f"/proc/{process.pid}/task/{process.pid}/children").read_text().split()]
 
 
 def alive(pid: int) -> bool:
