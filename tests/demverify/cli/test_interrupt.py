@@ -37,10 +37,10 @@ def wait_for(find: Callable[[], Found], process: subprocess.Popen[str]) -> Found
 
 
 def frames(path: Path) -> list[int]:
-    """The steps in a trajectory, none where it is not there yet or still being begun."""
+    """The steps in a trajectory, none where it is not there yet, or is being written at this moment."""
     try:
         return [frame.step for frame in read_h5md(path)] if path.exists() else []
-    except (InputError, OSError):
+    except (InputError, OSError, RuntimeError, ValueError):  # what HDF5 says of a file that grows as it is read
         return []
 
 
