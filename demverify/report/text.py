@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -36,12 +37,23 @@ def print_comparison(report: Report, page: Path) -> None:
         console.print()
         console.print(_law_table(laws))
     console.print()
-    for reason in list(dict.fromkeys(c.reason for c in report.checks if c.outcome in ("fail", "crashed") and c.reason))[:3]:
-        console.print(f"  {reason}", markup=False)
+    _print_first_failure(console, report.checks)
     for reason in dict.fromkeys(c.reason for c in report.checks if (c.outcome, c.quantity) == ("skipped", "all")):
         console.print(f"  {reason}", markup=False)
     console.print(f"verdict: {'[green]pass[/]' if report.verdict == 'pass' else '[red]fail[/]'}. {summary(report.checks)}")
     console.print(f"report: {page}")
+
+
+def _print_first_failure(console: Console, checks: Sequence[Check]) -> None:
+    """What went wrong first, and all that is known of it, a line each."""
+    wrong = [check for check in checks if check.outcome in ("fail", "crashed")]
+    if wrong:
+        first = min(wrong, key=lambda check: (check.outcome != "crashed", check.step, check.tier))
+        size = f": {first.max_rel:.1e}, tolerance {first.tolerance:.0e}" if first.max_rel == first.max_rel else ""
+        console.print(f"first off: {first.quantity} of {' - '.join(first.engines)} at step {first.step}{size}", markup=False)
+        for part in filter(None, re.split(r"; (?=explained by |under the same |not chaos)", first.reason)):
+            console.print(f"  {part}", markup=False)
+        console.print()
 
 
 def _console() -> Console:
