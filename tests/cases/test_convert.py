@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from demsolver import Scene
+from demsolver import Scene, Simulation
 from demverify.deck.convert import convert
 from demverify.errors import InputError
 from demverify.runs import plan
@@ -110,3 +110,58 @@ def test_a_deck_of_that_dialect_already(tmp_path: Path) -> None:
     """Law: converting to its own dialect is an error, not a copy."""
     with pytest.raises(InputError, match="this is a lammps deck already"):
         convert(plan(INPUTS / "bed" / "in.lammps", {}), "lammps", tmp_path / "x")
+
+
+LIGGGHTS = """units si
+atom_style granular
+atom_modify map array
+boundary f f f
+newton off
+communicate single vel yes
+region box block -0.1 0.1 -0.1 0.1 -0.1 0.1
+create_box 1 box
+create_atoms 1 single 0 0 0.0049
+create_atoms 1 single 0.0098 0 0.0051
+set type 1 diameter 0.01 density 2500
+{size}
+set atom 1 vx 0.3
+set atom 2 vz -0.2
+fix m1 all property/global youngsModulus peratomtype 5e6
+fix m2 all property/global poissonsRatio peratomtype 0.3
+fix m3 all property/global coefficientRestitution peratomtypepair 1 0.7
+fix m4 all property/global coefficientFriction peratomtypepair 1 0.0
+fix m5 all property/global characteristicVelocity scalar 0.5
+{properties}
+pair_style gran model {model}
+pair_coeff * *
+fix floor all wall/gran model {normal} primitive type 1 zplane 0 {switches}
+fix n all nve/sphere
+timestep 1e-6
+run 1
+"""
+SPRINGS = "\n".join(
+    f"fix s{k} all property/global {name} peratomtypepair 1 {value}"
+    for k, (name, value) in enumerate({"kn": 1e4, "kt": 3e3, "gamman": 40.0, "gammat": 20.0, "gamman_abs": 0.3, "gammat_abs": 0.1}.items())
+)
+
+
+@pytest.mark.parametrize("model", ["hooke", "hertz", "hooke/stiffness absolute_damping on", "hertz/stiffness limitForce on"])
+def test_every_liggghts_model_acts_alike_in_lammps_words(model: str, tmp_path: Path) -> None:
+    """Law: without friction, where the rules are the same, both decks give the same forces of a pair and of the floor."""
+    normal, _, switches = model.partition(" ")
+    text = LIGGGHTS.format(model=model, normal=normal, switches=switches, size="", properties=SPRINGS)
+    (tmp_path / "in.liggghts").write_text(text)
+    convert(plan(tmp_path / "in.liggghts", {}), "lammps", tmp_path / "in.lammps")
+    theirs, ours = (Simulation(scene(tmp_path / f"in.{dialect}")) for dialect in ("liggghts", "lammps"))
+    theirs.setup()
+    ours.setup()
+    assert np.abs(theirs.bodies.force).max() > 1e-3
+    assert np.abs(theirs.bodies.force - ours.bodies.force).max() < 1e-12 * np.abs(theirs.bodies.force).max()
+
+
+def test_a_stiffness_for_each_size_cannot_be_said(tmp_path: Path) -> None:
+    """Law: LIGGGHTS' hooke has a spring of its own for each pair of sizes; with two sizes there is no LAMMPS law for it."""
+    text = LIGGGHTS.format(model="hooke", normal="hooke", switches="", size="set atom 2 diameter 0.008", properties="")
+    (tmp_path / "in.liggghts").write_text(text)
+    with pytest.raises(InputError, match="another stiffness for each pair of sizes"):
+        convert(plan(tmp_path / "in.liggghts", {}), "lammps", tmp_path / "in.lammps")
