@@ -24,12 +24,3 @@ class InputError(ValueError):
         self.message = message
         self.place = place
         super().__init__(f"{place}: {message}" if place else message)
-
-
-class EngineCrash(RuntimeError):
-    """An engine died or ran out of time. `log_tail` holds the last lines it wrote. The CLI exits with 3."""
-
-    def __init__(self, engine: str, message: str, log_tail: str = "") -> None:
-        self.engine = engine
-        self.log_tail = log_tail
-        super().__init__(f"{engine}: {message}")

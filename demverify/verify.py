@@ -16,7 +16,6 @@ from demverify.chaos import Envelope, nudge
 from demverify.compare import KNOWN, TIER2_STEPS, Check, compare_law, compare_series, explain, not_judged, verdict
 from demverify.deck.convert import convert
 from demverify.deck.setup import Dialect
-from demverify.engines import ENGINES
 from demverify.engines.base import Job, Progress
 from demverify.errors import InputError, Place
 from demverify.frames import Frame
@@ -154,7 +153,7 @@ def _compare(a: Run, b: Run, envelope: Envelope | None, known: Plan) -> list[Che
 
 
 def _entries(known: Plan, engines: Sequence[str]) -> tuple[register.Entry, ...]:
-    """Known deviations between two engines on this deck."""
+    """Known deviations between engines (and closed forms: "law") on this deck."""
     names = {"native" if label.startswith("native") else label for label in engines}
     return register.applying(known.dialect, register.features_of(known.runs[-1].setup, len(known.runs)), names)
 
@@ -220,12 +219,6 @@ def engine_info(run: Run) -> EngineInfo:
     return EngineInfo(o.version, o.wall_s, o.particle_steps_per_s or None)
 
 
-def missing_engines() -> dict[str, str]:
-    """Engines that are not here, and how to get them."""
-    found = {name: engine.find() for name, engine in ENGINES.items()}
-    return {name: str(what) for name, what in found.items() if not hasattr(what, "version")}
-
-
 def _report(
     case: Case,
     plans: Mapping[Dialect, Plan],
@@ -235,8 +228,6 @@ def _report(
     rows: Sequence[tuple[str, str, str]],
 ) -> Report:
     first = next(iter(plans.values()))
-    features = register.features_of(first.runs[-1].setup, len(first.runs))
-    names = {"native" if label.startswith("native") else label for label in runs} | ({"law"} if case.laws else set())
     return Report(
         title=case.title,
         verdict=verdict(checks),
@@ -246,7 +237,7 @@ def _report(
         differences=difference_curves(check for check in checks if check.engines[0] != SAME_RULES),
         envelope=[curve for dialect, envelope in envelopes.items() for curve in _envelope_curves(dialect, envelope, runs)],
         settings=_settings(plans, rows),
-        entries=register.applying(first.dialect, features, names),
+        entries=_entries(first, [*runs, *(["law"] if case.laws else [])]),
         command=f"demverify compare {first.deck.parent if len(case.decks) > 1 and not rows else first.deck}",
     )
 

@@ -60,11 +60,6 @@ def density_mass(setup: Setup, radius: Floats, density: Floats | float) -> Float
     return np.asarray(4.0 * pi / 3.0 * radius * radius * radius * density)
 
 
-def in_box(box: Box, x: Floats) -> Floats:
-    """(n, 3) bool: on each axis inside [lo, hi), the periodic axes counting as always inside."""
-    return np.asarray((x >= box.lo) & (x < box.hi) | np.array(box.periodic))
-
-
 def wrap(atoms: Atoms, box: Box) -> Atoms:
     """Brings particles back through the periodic faces and counts that in their images, as LAMMPS does."""
     x, image = atoms.x.copy(), atoms.image.copy()

@@ -25,7 +25,6 @@ BOLTZMANN = {
 }
 INDEXED = re.compile(r"c_([^\[\]]+)(?:\[(\d+)\])?$")
 BIG = 1e20  # where the engines start looking for a minimum
-COMPUTES = ("erotate", "erotate/sphere", "ke", "reduce")
 REDUCE: dict[str, Callable[[Floats], float]] = {
     "sum": lambda a: float(a.sum()),
     "min": lambda a: float(a.min(initial=BIG)),

@@ -16,8 +16,6 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 INTEGER_COLUMNS = frozenset({"id", "mol", "type", "ix", "iy", "iz"})
-ATOM_STYLE_COLUMNS = ("id", "type", "xs", "ys", "zs")
-"""What `dump ID group atom N file` writes."""
 
 
 @dataclass(frozen=True)
