@@ -156,12 +156,14 @@ def _convert(outcome: Outcome, *, keep: bool) -> tuple[list[Frame], Path | None]
     """The engine's own frames as trajectory.h5; the raw dump goes."""
     from demverify.formats.dump import read_dump
     from demverify.formats.h5md import TrajectoryWriter
+    from demverify.formats.reading import Reading
 
     if outcome.trajectory is None or not outcome.trajectory.is_file():
         return [], None
     frames, path, dt = [], outcome.folder / "trajectory.h5", _timestep(outcome)
+    reading = Reading(columns=outcome.columns and tuple(outcome.columns), half_written=None if outcome.status == "ok" else bool)
     with TrajectoryWriter(path) as writer:
-        for frame in read_dump([outcome.trajectory], outcome.columns, partial_ok=outcome.status != "ok"):
+        for frame in read_dump([outcome.trajectory], reading):
             writer.write(frame, frame.step * dt)
             if keep:
                 frames.append(frame)

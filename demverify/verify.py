@@ -254,7 +254,7 @@ def _energies(run: Run, known: Plan) -> EnergySeries:
     def of(frame: Frame) -> tuple[float, float]:
         mass, radius = frame.columns["mass"], frame.columns["radius"]
         omega = frame.vectors("omegax", "omegay", "omegaz")
-        return ke(mass, frame.vectors("vx", "vy", "vz")), erotate_sphere(mass, radius, omega)
+        return ke(mass, frame.vectors("vx", "vy", "vz")), float(erotate_sphere(mass, radius, omega).sum())
 
     steps = np.array([frame.step for frame in run.frames], dtype=float)
     energies = np.array([of(frame) for frame in run.frames])

@@ -9,7 +9,7 @@ from time import perf_counter
 
 import numpy as np
 
-from demsolver.computes import erotate, erotate_sphere, ke
+from demsolver.computes import Population, erotate, erotate_sphere, ke
 from demsolver.scene import Particles
 from demsolver.simulate import Simulation
 from demsolver.state import Floats, selected
@@ -133,8 +133,8 @@ class Meter:
 
 _ENERGIES: dict[str, Callable[[Particles], float]] = {
     "ke": lambda p: ke(p.mass, p.v),
-    "erotate/sphere": lambda p: erotate_sphere(p.mass, p.radius, p.omega),
-    "erotate": erotate,
+    "erotate/sphere": lambda p: float(erotate_sphere(p.mass, p.radius, p.omega).sum()),
+    "erotate": lambda p: erotate(Population(p.id, p.mass, p.radius, p.omega)),
 }
 _KEYWORDS: dict[str, Callable[[Meter], float]] = {
     "ke": lambda m: m.kinetic,

@@ -5,39 +5,61 @@ from __future__ import annotations
 import glob
 import gzip
 import re
+import zlib
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack
 from pathlib import Path
-from types import TracebackType
+from types import ModuleType, TracebackType
 from typing import IO, Self, cast
 
 import numpy as np
 
 from demverify.deck.setup import Dialect, DumpSpec
 from demverify.errors import InputError, Place
+from demverify.formats import dump_binary, dump_text
 from demverify.formats.atomic import atomic_write
-from demverify.formats.dump_binary import MAGICS, binary_frame, read_binary
-from demverify.formats.dump_text import GZIP_MAGIC, read_text, text_frame
+from demverify.formats.dump_binary import binary_frame
+from demverify.formats.dump_text import text_frame
+from demverify.formats.reading import AS_WRITTEN, Block, Reading, opened
 from demverify.frames import Frame
 
+_READERS = (dump_text, dump_binary)  # each has recognises(head) and read(block, reading); the first that recognises reads
+_HEAD = 4096
 
-def read_dump(
-    paths: str | Path | Sequence[str | Path], columns: Sequence[str] | None = None, *, partial_ok: bool = False
-) -> Iterator[Frame]:
-    """The frames of one dump file or of a series, text (also .gz) or binary, rows sorted by id, float64.
+
+def read_dump(paths: str | Path | Sequence[str | Path], reading: Reading = AS_WRITTEN) -> Iterator[Frame]:
+    """The frames of one dump file or of a series, of any kind and packed or not, float64, rows of particles sorted by id.
 
     paths: a file, a pattern such as "post/dump*.liggghts", or several of these; read in natural order (dump9 before dump10).
-    columns: names of the columns of a LIGGGHTS binary dump, which has none. partial_ok: pass over a half-written last frame.
     Raises InputError where nothing matches, and for what the content is not.
     """
-    for path in _expand([paths] if isinstance(paths, str | Path) else paths):
-        if _is_binary(path):
-            yield from read_binary(path, columns, partial_ok=partial_ok)
-        else:
-            yield from read_text(path, partial_ok=partial_ok)
+    for path in dump_files([paths] if isinstance(paths, str | Path) else paths):
+        yield from read_block(Block(path), reading)
 
 
-def _expand(patterns: Sequence[str | Path]) -> list[Path]:
+def read_block(block: Block, reading: Reading) -> Iterator[Frame]:
+    """The frames of one block. Raises InputError for a file that is no dump."""
+    return cast("Iterator[Frame]", reader_of(block.path).read(block, reading))
+
+
+def reader_of(path: Path) -> ModuleType:
+    """The reader for a file, by its content. Raises InputError."""
+    try:
+        with opened(path) as stream:
+            head = stream.read(_HEAD)
+    except (OSError, EOFError, zlib.error) as error:
+        message = f"cannot be read: {error}"
+        raise InputError(message, Place(path)) from None
+    for reader in _READERS:
+        if reader.recognises(head):
+            return reader
+    what = "an empty file" if not head else f"it starts with {head[:16].decode('ascii', 'backslashreplace')!r}"
+    message = f"not a dump of particles, text or binary: {what}"
+    raise InputError(message, Place(path))
+
+
+def dump_files(patterns: Sequence[str | Path]) -> list[Path]:
+    """The files that names and patterns mean, in natural order. Raises InputError where nothing matches."""
     found: set[Path] = set()
     for pattern in patterns:
         matches = [Path(pattern)] if Path(pattern).is_file() else [Path(name) for name in glob.glob(str(pattern))]
@@ -57,24 +79,6 @@ def _natural(path: Path) -> list[tuple[int, int | str]]:
     """Sort key that takes digits as numbers."""
     words = [word for word in re.split(r"(\d+)", str(path)) if word]
     return [(0, int(word)) if word.isdecimal() else (1, word) for word in words]
-
-
-def _is_binary(path: Path) -> bool:
-    """True for a binary dump, False for text or gzip. Raises InputError for what can be neither."""
-    try:
-        with path.open("rb") as stream:
-            head = stream.read(64)
-    except OSError as error:
-        message = f"cannot be read: {error.strerror}"
-        raise InputError(message, Place(path)) from None
-    if head.startswith((GZIP_MAGIC, b"ITEM: ")):
-        return False
-    # The old layout starts with a step: eight bytes, the upper ones zero.
-    if head[8:].startswith(MAGICS) or (len(head) >= 8 and head[4:8] == bytes(4)):
-        return True
-    what = "an empty file" if not head else f"it starts with {head[:16].decode('ascii', 'backslashreplace')!r}"
-    message = f"not a dump of particles, text or binary: {what}"
-    raise InputError(message, Place(path))
 
 
 class DumpWriter:

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from demverify.deck.setup import Dialect
 from demverify.errors import InputError, Place
-from demverify.formats.whole import HalfWrittenError, whole_frames
+from demverify.formats.reading import Block, HalfWrittenError, Reading, whole_frames
 from demverify.frames import Frame
 
 Floats = NDArray[np.float64]
@@ -68,14 +68,17 @@ class _Bytes:
         return InputError(f"frame {self.frame} is no binary dump of particles: {message}", Place(self.path))
 
 
-def read_binary(path: Path, columns: Sequence[str] | None = None, *, partial_ok: bool = False) -> Iterator[Frame]:
+def recognises(head: bytes) -> bool:
+    """True when a file that starts so is a binary dump: the old layout starts with a step, eight bytes, the upper ones zero."""
+    return head[8:].startswith(MAGICS) or (len(head) >= 8 and head[4:8] == bytes(4))
+
+
+def read(block: Block, reading: Reading) -> Iterator[Frame]:
     """The frames of a binary dump of either layout, rows sorted by id, bits as written.
 
-    columns: names for the LIGGGHTS layout, which has none; not looked at for LAMMPS.
-    partial_ok: pass over a half-written last frame.
     Raises InputError for anything else than whole frames of an orthogonal box with distinct ids.
     """
-    return whole_frames(_read_frames(_Bytes(path), columns), partial_ok=partial_ok)
+    return whole_frames(_read_frames(_Bytes(block.path), reading.columns), reading)
 
 
 def _read_frames(data: _Bytes, columns: Sequence[str] | None) -> Iterator[Frame]:

@@ -7,13 +7,12 @@ LAMMPS adds ITEM: UNITS and ITEM: TIME on request, LIGGGHTS ITEM: LABEL; LIGGGHT
 
 from __future__ import annotations
 
-import gzip
 import zlib
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
-from typing import IO, cast
+from typing import IO
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,12 +21,11 @@ from demverify.deck.setup import Dialect
 from demverify.errors import InputError, Place
 from demverify.formats.columns import INTEGER_COLUMNS
 from demverify.formats.printf import column_formats, format_rows
-from demverify.formats.whole import HalfWrittenError, whole_frames
+from demverify.formats.reading import Block, HalfWrittenError, Reading, opened, whole_frames
 from demverify.frames import Frame
 
 Floats = NDArray[np.float64]
 
-GZIP_MAGIC = b"\x1f\x8b"
 _HALF_HEADER = "the file ends inside a frame's header"
 _ONE_LINE_ITEMS = ("TIMESTEP", "NUMBER OF ATOMS", "TIME", "UNITS", "LABEL")
 
@@ -92,30 +90,24 @@ def _shown(line: bytes) -> str:
     return text if len(text) <= 60 else text[:57] + "..."
 
 
-def read_text(path: Path, *, partial_ok: bool = False) -> Iterator[Frame]:
-    """The frames of a text dump, plain or gzipped, rows sorted by id, float64 exactly as written.
+def recognises(head: bytes) -> bool:
+    """True when a file that starts so is a text dump."""
+    return head.startswith(b"ITEM: ")
 
-    partial_ok: pass over a last frame that is half written (a run that still goes on, or was killed).
+
+def read(block: Block, reading: Reading) -> Iterator[Frame]:
+    """The frames of a text dump, plain or packed, rows sorted by id, float64 exactly as written.
+
     Raises InputError with file and line for anything else than whole frames of an orthogonal box with distinct ids.
     """
-    return whole_frames(_read_frames(path), partial_ok=partial_ok)
+    return whole_frames(_read_frames(block.path), reading)
 
 
 def _read_frames(path: Path) -> Iterator[Frame]:
-    with _opened(path) as stream:
+    with opened(path) as stream:
         lines = _Lines(path, stream)
         while (frame := _read_frame(lines)) is not None:
             yield frame
-
-
-def _opened(path: Path) -> IO[bytes]:
-    try:
-        with path.open("rb") as raw:
-            zipped = raw.read(2) == GZIP_MAGIC
-        return cast("IO[bytes]", gzip.open(path) if zipped else path.open("rb"))
-    except OSError as error:
-        message = f"cannot be read: {error.strerror}"
-        raise InputError(message, Place(path)) from None
 
 
 def _read_frame(lines: _Lines) -> Frame | None:

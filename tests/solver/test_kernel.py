@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from demsolver import Enforce2D, Freeze, Gravity, LostParticles, Neighbor, NveSphere, Scene, SetForce, Simulation, Unstable, Viscous
-from demsolver.computes import angular_momentum, erotate, erotate_sphere, ke, momentum
+from demsolver.computes import Population, angular_momentum, erotate, erotate_sphere, ke, momentum
 from demsolver.reference import forces
 from demsolver.state import inertia_of
 from tests.support.scenes import bed, cluster, law, spheres
@@ -178,5 +178,5 @@ def test_computes_of_known_motion() -> None:
     p = spheres(np.zeros((1, 3)), np.array([0.5]), v=np.array([[3.0, 0.0, 4.0]]), omega=np.array([[0.0, 2.0, 0.0]]), density=6 / np.pi)
     assert p.mass[0] == pytest.approx(1.0)
     assert ke(p.mass, p.v) == pytest.approx(12.5)
-    assert erotate_sphere(p.mass, p.radius, p.omega) == pytest.approx(0.5 * 0.4 * 0.25 * 4.0)
-    assert erotate(p) == erotate_sphere(p.mass, p.radius, p.omega)
+    assert erotate_sphere(p.mass, p.radius, p.omega).sum() == pytest.approx(0.5 * 0.4 * 0.25 * 4.0)
+    assert erotate(Population(p.id, p.mass, p.radius, p.omega)) == erotate_sphere(p.mass, p.radius, p.omega).sum()

@@ -1,7 +1,12 @@
 """Rotational energy of everything, as LIGGGHTS' `compute erotate`: finds out which shapes are there and sums over its children.
 
-A child is a file `erotate_<shape>.py` here with `owned(particles) -> (n,) bool` and `energy(particles, mine) -> float`. A child never
-counts what another owns: more special shapes choose first, spheres take what is left. Source: seed compute-erotate, eq. (1).
+A child is a file `erotate_<shape>.py` here with
+
+    owned(population) -> (n,) bool                  the particles that are its business
+    energies(population, mine) -> Energies          their rotational energies; `mine` marks them, (n,) bool
+    NEEDS                                           what a particle of this shape must have: alternatives, each a tuple of fields
+
+A child never counts what another owns: more special shapes choose first, spheres take what is left. Source: seed compute-erotate, eq. (1).
 """
 
 from __future__ import annotations
@@ -9,35 +14,37 @@ from __future__ import annotations
 import importlib
 import pkgutil
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 from types import ModuleType
 
 import numpy as np
 
-from demsolver.scene import Particles
+from demsolver.computes.population import Energies, Population
 
+ORDER = ("multisphere", "superquadric")
 LAST = "sphere"
 
 
-def children() -> Iterator[tuple[str, ModuleType]]:
-    """(shape, module) of every child, spheres last."""
-    names = [m.name for m in pkgutil.iter_modules([str(Path(__file__).parent)]) if m.name.startswith("erotate_")]
-    for name in sorted(names, key=lambda n: (n.endswith(LAST), n)):
-        yield name.removeprefix("erotate_"), importlib.import_module(f"demsolver.computes.{name}")
+@cache
+def children() -> tuple[tuple[str, ModuleType], ...]:
+    """(shape, module) of every child, clumps first (their members may have shapes), spheres last."""
+    names = [m.name.removeprefix("erotate_") for m in pkgutil.iter_modules([str(Path(__file__).parent)]) if m.name.startswith("erotate_")]
+    rank = {shape: i for i, shape in enumerate(ORDER)}
+    names.sort(key=lambda shape: (shape == LAST, rank.get(shape, len(rank)), shape))
+    return tuple((shape, importlib.import_module(f"demsolver.computes.erotate_{shape}")) for shape in names)
 
 
-def erotate_by_shape(particles: Particles) -> dict[str, float]:
-    """Rotational energy per shape that is present."""
-    free = np.ones(len(particles.id), dtype=bool)
-    energies = {}
+def erotate_by_shape(population: Population) -> Iterator[tuple[str, Energies]]:
+    """(shape, energies) of every shape that is present."""
+    free = np.ones(len(population.id), dtype=bool)
     for shape, child in children():
-        mine = child.owned(particles) & free
+        mine = child.owned(population) & free
         if mine.any():
-            energies[shape] = child.energy(particles, mine)
+            yield shape, child.energies(population, mine)
             free &= ~mine
-    return energies
 
 
-def erotate(particles: Particles) -> float:
+def erotate(population: Population) -> float:
     """Total rotational energy."""
-    return sum(erotate_by_shape(particles).values())
+    return sum(energies.total for _, energies in erotate_by_shape(population))

@@ -8,22 +8,24 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from demsolver.scene import Particles
+from demsolver.computes.population import Energies, Population
 from demsolver.state import Floats
 
 INERTIA = 0.4
+NEEDS = (("mass", "radius", "omega"),)
 
 
-def erotate_sphere(mass: Floats, radius: Floats, omega: Floats) -> float:
-    """mass, radius (n,), omega (n, 3) [rad/time] -> energy."""
-    return 0.5 * INERTIA * float(np.einsum("i,ij,ij->", mass * radius**2, omega, omega))
+def erotate_sphere(mass: Floats, radius: Floats, omega: Floats) -> Floats:
+    """mass, radius (n,), omega (n, 3) [rad/time] -> energy of each, (n,)."""
+    return np.asarray(0.5 * INERTIA * (mass * radius**2) * np.einsum("ij,ij->i", omega, omega))
 
 
-def owned(particles: Particles) -> NDArray[np.bool_]:
+def owned(population: Population) -> NDArray[np.bool_]:
     """Particles this compute counts: every one that no other shape claims."""
-    return np.ones(len(particles.id), dtype=bool)
+    return np.ones(len(population.id), dtype=bool)
 
 
-def energy(particles: Particles, mine: NDArray[np.bool_]) -> float:
-    """Rotational energy of the particles marked in `mine`."""
-    return erotate_sphere(particles.mass[mine], particles.radius[mine], particles.omega[mine])
+def energies(population: Population, mine: NDArray[np.bool_]) -> Energies:
+    """Rotational energies of the particles marked in `mine`."""
+    mass, radius, omega = population.of("mass", mine), population.of("radius", mine), population.of("omega", mine)
+    return Energies(population.id[mine], erotate_sphere(mass, radius, omega))

@@ -15,6 +15,7 @@ from demverify.errors import InputError
 from demverify.formats.columns import volume
 from demverify.formats.data_file import write_data
 from demverify.formats.dump import read_dump
+from demverify.formats.reading import Reading
 from tests.support.engines import run_lammps, run_liggghts
 
 BOX = Box(np.array([-1.0, 0.0, 0.1]), np.array([1.0, 1.0 / 3.0, 1.1]), ("pp", "ff", "ss"))
@@ -66,7 +67,7 @@ def test_the_engine_reads_back_the_state(dialect: Dialect, dimension: int, tmp_p
     head = f"dimension {dimension}\nboundary {' '.join(flags[0] for flags in box.boundary)}\n"
     dump = f"fix 1 all nve/sphere\ntimestep 1e-9\ndump d all custom 1 d.bin {' '.join(COLUMNS)}\nrun 0\n"
     (run_lammps if dialect == "lammps" else run_liggghts)(head + DECKS[dialect] + dump, tmp_path)
-    (got,) = read_dump(tmp_path / "d.bin", COLUMNS)
+    (got,) = read_dump(tmp_path / "d.bin", Reading(columns=tuple(COLUMNS)))
     order = np.argsort(state.id)
     vectors = {"": state.x, "v": state.v, "omega": state.omega}
     expected: dict[str, NDArray[Any]] = {"id": state.id, "type": state.type, "ix": state.image[:, 0], "radius": state.radius}

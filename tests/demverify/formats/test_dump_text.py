@@ -11,7 +11,10 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 
 from demverify.errors import InputError
-from demverify.formats.dump_text import read_text, text_frame
+from demverify.formats import dump_text
+from demverify.formats.dump import read_dump
+from demverify.formats.dump_text import text_frame
+from demverify.formats.reading import AS_WRITTEN, Block, Reading
 from demverify.frames import Frame
 from tests.demverify.formats.samples import BOX, DATA, EXACT, NAMES, assert_same, frame, frames
 
@@ -22,7 +25,7 @@ def read(tmp_path: Path, content: bytes, *, partial_ok: bool = False) -> list[Fr
     """The frames of a file with this content."""
     path = tmp_path / "d.txt"
     path.write_bytes(content)
-    return list(read_text(path, partial_ok=partial_ok))
+    return list(dump_text.read(Block(path), Reading(half_written=bool if partial_ok else None)))
 
 
 @given(expected=frames())
@@ -52,7 +55,7 @@ def test_rows_come_sorted_by_id(tmp_path: Path) -> None:
 
 def test_real_lammps_file_with_units_and_time() -> None:
     """Law: ITEM: UNITS (first frame) and ITEM: TIME are read over; numbers are those of the deck beside the file."""
-    got = list(read_text(DATA / "lammps" / "all.txt"))
+    got = list(read_dump(DATA / "lammps" / "all.txt"))
     assert [f.step for f in got] == [0, 100, 200, 300, 400]
     assert got[0].boundary == ("pp", "fs", "mm")
     assert got[0].box[0].tolist() == [-0.1, 0.123456789012]
@@ -64,19 +67,19 @@ def test_real_lammps_file_with_units_and_time() -> None:
 
 def test_gzip_is_seen_by_content() -> None:
     """Law: a gzipped dump holds the same numbers as the plain one of the same run."""
-    for zipped, plain in zip(read_text(DATA / "lammps" / "all.txt.gz"), read_text(DATA / "lammps" / "all.txt"), strict=True):
+    for zipped, plain in zip(read_dump(DATA / "lammps" / "all.txt.gz"), read_dump(DATA / "lammps" / "all.txt"), strict=True):
         np.testing.assert_array_equal(zipped.vectors("x", "y", "z"), plain.vectors("x", "y", "z"))
 
 
 def test_frames_without_particles() -> None:
     """Law: an empty group gives frames with no rows and all columns."""
-    got = list(read_text(DATA / "lammps" / "none.txt"))
+    got = list(read_dump(DATA / "lammps" / "none.txt"))
     assert [(f.step, f.n, list(f.columns)) for f in got] == [(s, 0, ["id", "type", "x"]) for s in (0, 200, 400)]
 
 
 def test_real_liggghts_file() -> None:
     """Law: LIGGGHTS' own file is read: step, box, flags, sums of the internal contact forces."""
-    got = list(read_text(DATA / "liggghts" / "d.txt"))
+    got = list(read_dump(DATA / "liggghts" / "d.txt"))
     assert [f.step for f in got] == [0, 10, 20]
     assert got[0].boundary == ("ff", "ff", "ff")
     assert abs(got[0].columns["fx"].sum()) < 1e-4
@@ -141,7 +144,7 @@ def test_wrong_text_is_refused_with_its_line(tmp_path: Path, old: bytes, new: by
 def test_other_dumps_are_refused(name: str, message: str) -> None:
     """Law: what cannot become a frame of particles is said, not guessed."""
     with pytest.raises(InputError, match=message):
-        list(read_text(DATA / "lammps" / name))
+        list(read_dump(DATA / "lammps" / name))
 
 
 def test_a_large_frame_is_read_fast(tmp_path: Path) -> None:
@@ -149,7 +152,7 @@ def test_a_large_frame_is_read_fast(tmp_path: Path) -> None:
     names = ("id", "type", "x", "y", "z", "vx", "vy", "vz", "fx", "fy")
     (tmp_path / "big.txt").write_bytes(text_frame(frame(100_000, names=names), names, "lammps"))
     start = time.process_time()
-    (got,) = read_text(tmp_path / "big.txt")
+    (got,) = dump_text.read(Block(tmp_path / "big.txt"), AS_WRITTEN)
     assert time.process_time() - start < 1.0
     assert got.n == 100_000
 

@@ -1,0 +1,1 @@
+"""Shapes of particles: volume and moments of inertia. One a file."""
