@@ -6,13 +6,14 @@ import re
 import signal
 import sys
 import warnings
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, NoReturn
 
 import typer
 
+from demverify.cli_erotate import erotate
 from demverify.errors import InputError
 
 if TYPE_CHECKING:
@@ -24,6 +25,8 @@ app = typer.Typer(
     add_completion=False, pretty_exceptions_enable=False, help="One deck, three engines, one verdict.",
     context_settings={"help_option_names": ["-h", "--help"]},
 )  # fmt: skip
+
+app.command()(erotate)
 
 Json = Annotated[Path | None, typer.Option("--json", metavar="FILE", help="Also write the result as JSON.")]
 Var = Annotated[
@@ -54,7 +57,7 @@ def compare(
     from demverify.report.json import write_json
     from demverify.report.text import print_comparison
 
-    variables = _variables(var)
+    variables = variables_of(var)
     _check(json)
     settings = verify.Settings(variables, _engines(engine), threads, ranks, timeout, tuple(accept or ()))
     if not target.exists():
@@ -91,7 +94,7 @@ def run(
     from demverify.verify import engine_info
 
     (name,) = _engines([engine]) or ("native",)
-    variables = _variables(var)
+    variables = variables_of(var)
     _check(json)
     job = Job(deck, out, variables, output_interval(deck, variables, name), timeout, ranks, threads)
     with _bars() as watch:
@@ -120,7 +123,7 @@ def convert(
     if to not in ("lammps", "liggghts"):
         message = f"--to {to} is not one of lammps, liggghts"
         raise InputError(message)
-    found = convert_deck(plan(deck, _variables(var)), to, output)  # type: ignore[arg-type]
+    found = convert_deck(plan(deck, variables_of(var)), to, output)  # type: ignore[arg-type]
     if json:
         _write(json, {"to": to, "deck": str(output), "mapped": [{"from": theirs, "to": ours} for theirs, ours, _ in found.rows]})
     for theirs, ours, _ in found.rows:
@@ -166,7 +169,8 @@ def _engines(names: list[str] | None) -> tuple[str, ...] | None:
     return tuple(names) if names else None
 
 
-def _variables(given: list[str] | None) -> dict[str, list[str]]:
+def variables_of(given: Sequence[str] | None) -> dict[str, list[str]]:
+    """--var NAME=VALUE as the variables of a deck. Raises InputError."""
     pairs = {}
     for text in given or ():
         name, equals, value = text.partition("=")
@@ -177,13 +181,17 @@ def _variables(given: list[str] | None) -> dict[str, list[str]]:
     return pairs
 
 
-def _joined_vars(arguments: list[str]) -> list[str]:
-    """`--var NAME VALUE` as `--var NAME=VALUE`: click's options take one word when they may be repeated."""
+def _one_word_each(arguments: list[str]) -> list[str]:
+    """`--var NAME VALUE` as `--var NAME=VALUE`, `--bodies A B` as `--bodies A --bodies B`: click's options take one word each."""
     joined, rest = [], list(arguments)
     while rest:
         word = rest.pop(0)
         joined.append(word)
-        if word in ("--var", "-var") and rest:
+        if word == "--bodies" and rest:
+            joined.append(rest.pop(0))
+            while rest and not rest[0].startswith("-"):
+                joined += ["--bodies", rest.pop(0)]
+        elif word in ("--var", "-var") and rest:
             joined[-1] = "--var"
             name = rest.pop(0)
             joined.append(name if "=" in name or not rest else f"{name}={rest.pop(0)}")
@@ -233,7 +241,7 @@ def _status() -> int:
     """Runs the command. Typer's own complaints are shortened to one line; an interruption comes back from it as 130."""
     usage: type[Exception] = typer.BadParameter.__bases__[0]  # UsageError: of click, or of typer where it has a copy of its own
     try:
-        status = app(args=_joined_vars(sys.argv[1:]), prog_name="demverify", standalone_mode=False) or 0
+        status = app(args=_one_word_each(sys.argv[1:]), prog_name="demverify", standalone_mode=False) or 0
     except usage as error:
         _complain(2, _usage(error))
     if status == 130:

@@ -11,14 +11,17 @@ from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
 
+UNKNOWN_BOUNDARY = ("??", "??", "??")
+
 
 @dataclass(frozen=True)
 class Frame:
     """One snapshot, rows sorted by particle id. Float64 throughout.
 
-    step: timestep number. box: (3, 2) lower and upper bounds; of a tilted box, of the cell before it was tilted.
-    boundary: per axis two letters of p f s m. columns: name -> (n,) array, under LAMMPS' own dump names (id type mol x y z xu yu zu
-    ix iy iz vx vy vz fx fy fz omegax omegay omegaz tqx tqy tqz radius diameter mass density ...).
+    step: timestep number. box: (3, 2) lower and upper bounds; of a tilted box, of the cell before it was tilted; NaN: not known.
+    boundary: per axis two letters of p f s m; UNKNOWN_BOUNDARY where the file does not say (VTK, MDAnalysis).
+    columns: name -> (n,) array, under LAMMPS' own dump names (id type mol x y z xu yu zu ix iy iz vx vy vz fx fy fz omegax omegay omegaz
+    tqx tqy tqz radius diameter mass density ...).
     cell: (3, 3) rows a, b, c of a tilted box, None for an orthogonal one.
     time, units: as the file says (ITEM: TIME, ITEM: UNITS), None where it does not.
     dialect: the engine that wrote the file, where that shows; None where it does not.

@@ -13,7 +13,7 @@ from demverify.errors import InputError, Place
 STYLES = ("index", "loop", "string", "equal", "format", "delete")
 _QUOTE = re.compile(r'"""|"|\'|\$')
 _IMMEDIATE_FORMAT = re.compile(r"^(.*):(%[^:]*)$", re.DOTALL)
-_PRINTF = re.compile(r"%[-+ 0#]*\d*(\.\d+)?[eEfFgG]")
+_PRINTF = re.compile(r"%[-+ 0#]*\d{0,3}(\.\d{1,3})?[eEfFgG]")
 
 
 @dataclass
@@ -203,7 +203,7 @@ def _new(name: str, style: str, args: Sequence[str], place: Place) -> _Values | 
 def _new_loop(name: str, args: list[str], place: Place) -> _Loop:
     padded = bool(args) and args[-1] == "pad"
     numbers = args[:-1] if padded else args
-    if len(numbers) not in (1, 2) or not all(re.fullmatch(r"[-+]?\d+", number) for number in numbers):
+    if len(numbers) not in (1, 2) or not all(re.fullmatch(r"[-+]?\d{1,18}", number) for number in numbers):
         raise InputError(f"variable {name} loop expects N, or N1 N2, whole numbers, got {' '.join(args)!r}", place)
     first, last = (1, int(numbers[0])) if len(numbers) == 1 else (int(numbers[0]), int(numbers[1]))
     if first > last or last <= 0:

@@ -5,9 +5,8 @@ from __future__ import annotations
 import glob
 import gzip
 import re
-import zlib
 from collections.abc import Iterator, Sequence
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 from pathlib import Path
 from types import ModuleType, TracebackType
 from typing import IO, Self, cast
@@ -16,25 +15,44 @@ import numpy as np
 
 from demverify.deck.setup import Dialect, DumpSpec
 from demverify.errors import InputError, Place
-from demverify.formats import dump_binary, dump_text
+from demverify.formats import dump_bare, dump_binary, dump_text, dump_vtk, dump_vtp, dump_yaml, h5md
 from demverify.formats.atomic import atomic_write
 from demverify.formats.dump_binary import binary_frame
-from demverify.formats.dump_text import text_frame
+from demverify.formats.dump_text_writer import text_frame
 from demverify.formats.reading import AS_WRITTEN, Block, Reading, opened
 from demverify.frames import Frame
 
-_READERS = (dump_text, dump_binary)  # each has recognises(head) and read(block, reading); the first that recognises reads
+_READERS = (dump_text, dump_yaml, dump_vtk, dump_vtp, h5md, dump_binary, dump_bare)
+"""Each has recognises(head) and read(block, reading); the first that recognises reads."""
+_BOX = "boundingBox_"  # LIGGGHTS writes one beside each vtk file
+_OTHERS = {b"# Time-averaged": "output of fix ave/time", b"LAMMPS (": "a log of LAMMPS", b"LIGGGHTS (": "a log of LIGGGHTS"}
 _HEAD = 4096
+_BLOCK = 1 << 25  # bytes: a tenth of a second of reading
+_STEP = re.compile(rb"ITEM: TIMESTEP\s+(-?\d+)\s")
 
 
 def read_dump(paths: str | Path | Sequence[str | Path], reading: Reading = AS_WRITTEN) -> Iterator[Frame]:
     """The frames of one dump file or of a series, of any kind and packed or not, float64, rows of particles sorted by id.
 
-    paths: a file, a pattern such as "post/dump*.liggghts", or several of these; read in natural order (dump9 before dump10).
+    paths: a file, a pattern such as "post/dump*.liggghts", or several of these (see dump_files).
     Raises InputError where nothing matches, and for what the content is not.
     """
     for path in dump_files([paths] if isinstance(paths, str | Path) else paths):
         yield from read_block(Block(path), reading)
+
+
+def blocks_of(files: Sequence[Path]) -> Iterator[Block]:
+    """Pieces of files that can be read side by side, in order. Raises InputError for a file that is no dump."""
+    for path in files:
+        yield from split(path, _BLOCK)
+
+
+def split(path: Path, size: int) -> list[Block]:
+    """Blocks of a file, of at least `size` bytes, that together hold its frames; one block where it cannot be entered in the middle.
+
+    Raises InputError for a file that is no dump.
+    """
+    return dump_text.split(path, size) if reader_of(path) is dump_text else [Block(path)]
 
 
 def read_block(block: Block, reading: Reading) -> Iterator[Frame]:
@@ -46,20 +64,31 @@ def reader_of(path: Path) -> ModuleType:
     """The reader for a file, by its content. Raises InputError."""
     try:
         with opened(path) as stream:
-            head = stream.read(_HEAD)
-    except (OSError, EOFError, zlib.error) as error:
+            head = stream.read1(_HEAD)  # what there is, also of a packed file that ends early
+    except OSError as error:
         message = f"cannot be read: {error}"
         raise InputError(message, Place(path)) from None
     for reader in _READERS:
         if reader.recognises(head):
             return reader
-    what = "an empty file" if not head else f"it starts with {head[:16].decode('ascii', 'backslashreplace')!r}"
+    kind = next((kind for start, kind in _OTHERS.items() if head.startswith(start)), "an empty file" if not head else "")
+    what = kind or f"it starts with {head[:16].decode('ascii', 'backslashreplace')!r}"
     message = f"not a dump of particles, text or binary: {what}"
     raise InputError(message, Place(path))
 
 
+def has_names(path: Path) -> bool:
+    """False for the kinds of dumps that do not name their columns. Raises InputError for a file that is no dump."""
+    reader = reader_of(path)
+    if reader is not dump_binary:
+        return reader is not dump_bare
+    with opened(path) as stream:
+        return stream.read(_HEAD)[8:].startswith(dump_binary.MAGICS)
+
+
 def dump_files(patterns: Sequence[str | Path]) -> list[Path]:
-    """The files that names and patterns mean, in natural order. Raises InputError where nothing matches."""
+    """The files that names and patterns mean, in the order of their first steps; where a head does not tell the step, of their names,
+    dump9 before dump10. Raises InputError where nothing matches."""
     found: set[Path] = set()
     for pattern in patterns:
         matches = [Path(pattern)] if Path(pattern).is_file() else [Path(name) for name in glob.glob(str(pattern))]
@@ -67,7 +96,18 @@ def dump_files(patterns: Sequence[str | Path]) -> list[Path]:
             message = f"no dump file {pattern}; its folder has {_listing(Path(pattern).parent)}"
             raise InputError(message)
         found.update(matches)
-    return sorted(found, key=_natural)
+    boxes = {path for path in found if _BOX in path.name}
+    found -= boxes if boxes < found else set()
+    steps = {path: _first_step(path) for path in found} if len(found) > 1 else {}
+    return sorted(found, key=lambda path: (steps.get(path, 0) if None not in steps.values() else 0, _natural(path)))
+
+
+def _first_step(path: Path) -> int | None:
+    """What the head of a text dump says."""
+    with suppress(OSError, InputError), opened(path) as stream:
+        told = _STEP.search(stream.read1(_HEAD))
+        return int(told[1]) if told else None
+    return None
 
 
 def _listing(folder: Path) -> str:

@@ -1,12 +1,14 @@
-"""Binary dumps, little-endian, of both layouts:
+"""Binary dumps of both layouts:
 
     LAMMPS, revision 2: i64 -len(magic), magic "DUMPCUSTOM" or "DUMPATOM", i32 endian = 1, i32 revision = 2, i64 step
     LIGGGHTS (and old LAMMPS): i64 step >= 0
-    both: i64 n, i32 triclinic, i32[6] boundary, f64[6] bounds, i32 ncol
-    LAMMPS: i32 length and units, i8 flag (f64 time), i32 length and column names
+    both: i64 n, i32 triclinic, i32[6] boundary, box, i32 ncol
+    box: f64[6] bounds; triclinic 1: and f64[3] xy xz yz; triclinic 2 (dump_modify triclinic/general): f64[9] a b c and f64[3] origin
+    LAMMPS: i32 length and units (the first frame alone), i8 flag (f64 time), i32 length and column names
     both: i32 nchunks, each i32 nvalues and f64[nvalues], rows in processor order
 
-The LIGGGHTS layout has no column names: the reader must be told.
+The LIGGGHTS layout has no column names: the reader must be told. Neither code writes `dump local` in binary: LAMMPS refuses, and
+LIGGGHTS writes text whatever the file is called.
 """
 
 from __future__ import annotations
@@ -14,55 +16,67 @@ from __future__ import annotations
 import struct
 from collections.abc import Iterator, Sequence
 from pathlib import Path
+from typing import IO
 
 import numpy as np
-from numpy.typing import NDArray
 
 from demverify.deck.setup import Dialect
 from demverify.errors import InputError, Place
-from demverify.formats.reading import Block, HalfWrittenError, Reading, whole_frames
-from demverify.frames import Frame
-
-Floats = NDArray[np.float64]
+from demverify.formats.cell import general, orthogonal, tilted
+from demverify.formats.reading import Block, HalfWrittenError, Reading, opened, whole_frames
+from demverify.formats.rows import pick
+from demverify.frames import Floats, Frame
 
 MAGICS = (b"DUMPCUSTOM", b"DUMPATOM")
 _FLAGS = "pfsm"
+_ORDERS = {1: "<", 1 << 24: ">"}
+_PIECE = 1 << 18  # bytes read at a time: a damaged count must not reserve memory for data that is not there
+_LONGEST = 1 << 20  # bytes of text, and columns
 
 
 class _Bytes:
-    """The bytes of one file, taken from the front."""
+    """The bytes of one file, taken from the front, a piece at a time."""
 
-    def __init__(self, path: Path) -> None:
+    def __init__(self, path: Path, stream: IO[bytes]) -> None:
         self.path = path
         self.frame = 1
-        try:
-            self._data = np.memmap(path, np.uint8, "r") if path.stat().st_size else np.empty(0, np.uint8)
-        except OSError as error:
-            message = f"cannot be read: {error.strerror}"
-            raise InputError(message, Place(path)) from None
-        self._at = 0
+        self.order = "<"
+        self._stream = stream
+        self._ahead = b""
 
     @property
     def exhausted(self) -> bool:
-        return self._at == len(self._data)
+        self._ahead = self._ahead or self._stream.read(1)
+        return not self._ahead
 
-    def take(self, n: int) -> NDArray[np.uint8]:
-        if n < 0:
-            raise self.error(f"a length of {n} bytes")
-        if self._at + n > len(self._data):
-            message = f"the file ends inside frame {self.frame}"
-            raise HalfWrittenError(message, Place(self.path))
-        self._at += n
-        return self._data[self._at - n : self._at]
+    def take(self, n: int) -> bytes:
+        taken, self._ahead = self._ahead, b""
+        while len(taken) < n:
+            piece = self._stream.read(min(n - len(taken), _PIECE))
+            if not piece:
+                message = f"the file ends inside frame {self.frame}"
+                raise HalfWrittenError(message, Place(self.path))
+            taken += piece
+        return taken
 
     def unpack(self, layout: str) -> tuple[int, ...]:
-        return struct.unpack("<" + layout, self.take(struct.calcsize("<" + layout)).tobytes())
+        return struct.unpack(self.order + layout, self.take(struct.calcsize("<" + layout)))
 
     def floats(self, n: int) -> Floats:
-        return self.take(8 * n).view("<f8").astype(np.float64)
+        return np.frombuffer(self.take(8 * n), self.order + "f8").astype(np.float64)
 
     def text(self) -> str:
-        return self.take(self.unpack("i")[0]).tobytes().decode("ascii", "backslashreplace")
+        (length,) = self.unpack("i")
+        if not 0 <= length <= _LONGEST:
+            raise self.error(f"a text of {length} bytes")
+        return self.take(length).decode("ascii", "backslashreplace")
+
+    def rows(self, n: int, ncol: int, at: list[int]) -> Iterator[Floats]:
+        """The columns `at` of n rows, (len(at), rows), some rows at a time."""
+        most = max(1, _PIECE // (8 * ncol))
+        for start in range(0, n, most):
+            count = min(most, n - start)
+            yield np.frombuffer(self.take(8 * count * ncol), self.order + "f8").reshape(count, ncol)[:, at].T
 
     def error(self, message: str) -> InputError:
         return InputError(f"frame {self.frame} is no binary dump of particles: {message}", Place(self.path))
@@ -70,80 +84,105 @@ class _Bytes:
 
 def recognises(head: bytes) -> bool:
     """True when a file that starts so is a binary dump: the old layout starts with a step, eight bytes, the upper ones zero."""
-    return head[8:].startswith(MAGICS) or (len(head) >= 8 and head[4:8] == bytes(4))
+    return head[8:].startswith(MAGICS) or (len(head) >= 8 and head[4:8] == bytes(4)) or _old_and_big_endian(head)
+
+
+def _old_and_big_endian(head: bytes) -> bool:
+    """True for step and particle count with their zeros in front."""
+    return len(head) >= 16 and head[:4] == head[8:12] == bytes(4) != head[12:16]
 
 
 def read(block: Block, reading: Reading) -> Iterator[Frame]:
     """The frames of a binary dump of either layout, rows sorted by id, bits as written.
 
-    Raises InputError for anything else than whole frames of an orthogonal box with distinct ids.
+    Of a frame only the wanted columns are held. Raises InputError for what is not a whole frame with distinct ids.
     """
-    return whole_frames(_read_frames(_Bytes(block.path), reading.columns), reading)
+    return whole_frames(_read_frames(block, reading), reading)
 
 
-def _read_frames(data: _Bytes, columns: Sequence[str] | None) -> Iterator[Frame]:
-    while not data.exhausted:
-        yield _read_frame(data, columns)
-        data.frame += 1
+def _read_frames(block: Block, reading: Reading) -> Iterator[Frame]:
+    units = block.units
+    with opened(block.path) as stream:
+        data = _Bytes(block.path, stream)
+        while not data.exhausted:
+            frame = _read_frame(data, reading, units)
+            units = frame.units
+            yield frame
+            data.frame += 1
 
 
-def _read_frame(data: _Bytes, columns: Sequence[str] | None) -> Frame:
-    (first,) = data.unpack("q")
-    named = first < 0
-    if named:
-        _check_magic(data, -first)
-    step = data.unpack("q")[0] if named else first
+def _read_frame(data: _Bytes, reading: Reading, units: str | None) -> Frame:
+    first = data.take(8)
+    data.order = "<"
+    named = first[4:] == b"\xff" * 4 or first[:4] == b"\xff" * 4
+    step = _named_step(data, first) if named else struct.unpack("<q", first)[0]
     n, triclinic, *flags = data.unpack("qi6i")
-    if triclinic:
-        raise data.error("expected an orthogonal box, got a triclinic one")
-    if n < 0 or set(flags) - {0, 1, 2, 3}:
-        raise data.error(f"{n} particles, boundary flags {' '.join(map(str, flags))} (each 0 to 3)")
-    box = data.floats(6).reshape(3, 2)
+    if not named and _old_and_big_endian(first + struct.pack("<q", n)):
+        raise data.error("its bytes are in big-endian order; this layout is read in little-endian order alone")
+    if step < 0 or n < 0 or triclinic not in (0, 1, 2) or set(flags) - {0, 1, 2, 3}:
+        raise data.error(f"step {step}, {n} particles, triclinic {triclinic} (0 to 2), boundary flags {' '.join(map(str, flags))} (0 to 3)")
+    box, cell = _read_box(data, triclinic)
     (ncol,) = data.unpack("i")
-    names = _read_names(data) if named else _given_names(data, columns, ncol)
-    table = _read_chunks(data, n, ncol, names)
-    order = np.argsort(table[:, names.index("id")], kind="stable")
-    if not (np.diff(table[order, names.index("id")]) > 0).all():
-        raise data.error("ids that are not distinct")
+    units, time, names = _read_names(data, units) if named else (None, None, _no_names(data, reading, ncol))
+    if len(names) != ncol or not names:
+        raise data.error(f"expected names for {ncol} columns, got: {' '.join(names)}")
+    picked = pick(names, reading, Place(data.path))
+    columns = picked.columns(picked.joined(_read_chunks(data, n, ncol, picked.at)), Place(data.path))
     letters = [_FLAGS[flag] for flag in flags]
     boundary = (letters[0] + letters[1], letters[2] + letters[3], letters[4] + letters[5])
-    return Frame(step, box, boundary, {name: np.ascontiguousarray(table[order, j]) for j, name in enumerate(names)})
+    return Frame(step, box, boundary, columns, cell, time, units, "lammps" if named else None)
 
 
-def _check_magic(data: _Bytes, length: int) -> None:
-    magic = data.take(length).tobytes() if length <= max(map(len, MAGICS)) else b""
+def _named_step(data: _Bytes, first: bytes) -> int:
+    """Step after the head of a LAMMPS frame; its endian word sets the byte order."""
+    length = -min(struct.unpack("<q", first)[0], struct.unpack(">q", first)[0], key=abs)
+    magic = data.take(length) if length <= max(map(len, MAGICS)) else b""
     if magic not in MAGICS:
         raise data.error(f"expected one of {' '.join(known.decode() for known in MAGICS)}")
-    endian, revision = data.unpack("ii")
-    if (endian, revision) != (1, 2):
+    (endian,) = data.unpack("i")
+    data.order = _ORDERS.get(endian, "<")
+    (revision,) = data.unpack("i")
+    if endian not in _ORDERS or revision != 2:
         raise data.error(f"expected byte order 1 and revision 2, got {endian} and {revision}")
+    return data.unpack("q")[0]
 
 
-def _read_names(data: _Bytes) -> list[str]:
-    data.text()  # units
-    if data.unpack("b")[0]:
-        data.floats(1)  # time
-    return data.text().split()
+def _read_box(data: _Bytes, triclinic: int) -> tuple[Floats, Floats | None]:
+    place = Place(data.path)
+    if triclinic == 2:
+        return general(data.floats(9).reshape(3, 3), data.floats(3), place)
+    bounds = data.floats(6).reshape(3, 2)
+    return tilted(bounds, data.floats(3), place) if triclinic else (orthogonal(bounds, place), None)
 
 
-def _given_names(data: _Bytes, columns: Sequence[str] | None, ncol: int) -> list[str]:
-    if columns is None:
-        raise data.error(f"this layout has no column names; pass the names of its {ncol} columns, as in the dump command")
-    return list(columns)
+def _read_names(data: _Bytes, units: str | None) -> tuple[str | None, float | None, list[str]]:
+    """Units (those of an earlier frame where this one has none), time and column names."""
+    units = data.text() or units
+    time = float(data.floats(1)[0]) if data.unpack("b")[0] else None
+    return units, time, data.text().split()
 
 
-def _read_chunks(data: _Bytes, n: int, ncol: int, names: list[str]) -> Floats:
-    if len(names) != ncol or "id" not in names or len(set(names)) < ncol:
-        raise data.error(f"expected names for {ncol} columns, an id among them, got: {' '.join(names)}")
-    chunks: list[Floats] = []
+def _no_names(data: _Bytes, reading: Reading, ncol: int) -> list[str]:
+    if not 0 < ncol <= _LONGEST:
+        raise data.error(f"{ncol} columns")
+    if reading.columns is None:
+        raise data.error(f"this layout has no column names; name its {ncol} columns with --columns, in the order of the dump command")
+    return [""] * ncol
+
+
+def _read_chunks(data: _Bytes, n: int, ncol: int, at: list[int]) -> list[Floats]:
+    """The columns `at` of all particles, (len(at), some rows) a piece."""
+    pieces: list[Floats] = []
+    missing = n
     for _ in range(data.unpack("i")[0]):
-        chunks.append(data.floats(data.unpack("i")[0]))
-        if sum(map(len, chunks)) > n * ncol:
-            break
-    got = sum(map(len, chunks))
-    if got != n * ncol:
-        raise data.error(f"expected {n} x {ncol} values, got {got}")
-    return np.concatenate(chunks or [np.empty(0)]).reshape(n, ncol)
+        (values,) = data.unpack("i")
+        missing -= values // ncol
+        if values < 0 or values % ncol or missing < 0:
+            raise data.error(f"expected {n} x {ncol} values, got {values} in one piece for the last {missing + values // ncol}")
+        pieces += data.rows(values // ncol, ncol, at)
+    if missing:
+        raise data.error(f"expected {n} x {ncol} values, got {n - missing} x {ncol}")
+    return pieces
 
 
 def binary_frame(frame: Frame, names: Sequence[str], dialect: Dialect, magic: bytes = b"DUMPCUSTOM") -> bytes:

@@ -28,6 +28,8 @@ from numpy.typing import NDArray
 from demverify.errors import InputError, Place
 from demverify.formats.atomic import atomic_write
 from demverify.formats.columns import INTEGER_COLUMNS
+from demverify.formats.reading import AS_WRITTEN, Block, Reading
+from demverify.formats.rows import pick
 from demverify.frames import Frame
 
 if TYPE_CHECKING:
@@ -35,6 +37,8 @@ if TYPE_CHECKING:
 
 Floats = NDArray[np.float64]
 
+_MAGIC = b"\x89HDF\r\n\x1a\n"
+_CREATOR = "demverify"
 _PREFIXES = {"position": "", "velocity": "v", "force": "f", "omega": "omega", "torque": "tq", "image": "i"}
 _VECTORS = {element: (prefix + "x", prefix + "y", prefix + "z") for element, prefix in _PREFIXES.items()}
 _GROUP = "particles/all"
@@ -167,7 +171,7 @@ def _describe(file: h5py.File, frame: Frame) -> None:
     file.create_group("h5md").attrs["version"] = np.array([1, 1])
     file.create_group("h5md/author").attrs["name"] = "demverify"
     creator = file.create_group("h5md/creator")
-    creator.attrs["name"], creator.attrs["version"] = "demverify", version("demverify")
+    creator.attrs["name"], creator.attrs["version"] = _CREATOR, version("demverify")
     box = file.create_group(f"{_GROUP}/box")
     box.attrs["dimension"] = 3
     box.attrs["boundary"] = ["periodic" if flags == "pp" else "none" for flags in frame.boundary]
@@ -198,26 +202,68 @@ def _append_padded(dataset: h5py.Dataset, arrays: list[NDArray[Any]]) -> None:
     _append(dataset, block)
 
 
+def recognises(head: bytes) -> bool:
+    """True when a file that starts so is HDF5."""
+    return head.startswith(_MAGIC)
+
+
 def read_h5md(path: Path) -> Iterator[Frame]:
     """The frames of a trajectory written by TrajectoryWriter, also of the `.part` that a killed run left.
 
     Every number comes back as it was. Raises InputError for any other file.
     """
+    return read(Block(path), AS_WRITTEN)
+
+
+def read(block: Block, reading: Reading) -> Iterator[Frame]:
+    """The frames of such a trajectory, one at a time, with their time; datasets without a wanted column are not read.
+
+    Raises InputError for any other file, H5MD of other programs too: they have no counts and boundary flags where these are.
+    """
+    place = Place(block.path)
     try:
-        with _opened(path) as file:
-            group, counts = file[_GROUP], file[f"{_COUNT}/value"][:]
-            elements = [(name, group[name]["value"]) for name in group if name != "box"]
-            flags = cast("tuple[str, str, str]", tuple(str(flag) for flag in group["box"].attrs["boundary_flags"]))
-            lower, upper = group["box/lower/value"], group["box/upper/value"]
-            for i, n in enumerate(counts):
-                columns: dict[str, Floats] = {}
-                for name, values in elements:
-                    columns |= _columns(name, values[i, :n].astype(np.float64))
-                box = np.column_stack([lower[i], upper[i]])
-                yield Frame(int(file[f"{_COUNT}/step"][i]), box, flags, columns)
-    except (KeyError, OSError) as error:
-        message = f"not a trajectory of demverify: {str(error).strip(chr(39) + chr(34))}"
-        raise InputError(message, Place(path)) from None
+        with _opened(block.path) as file:
+            yield from _read_frames(file, reading, place)
+    except InputError:
+        raise
+    except (LookupError, OSError, RuntimeError, TypeError, ValueError) as error:  # of h5py, for one damage or another
+        why = " ".join(str(error).split())[:200].strip("'\"")
+        message = f"not a trajectory of demverify, or damaged: {why}"
+        raise InputError(message, place) from None
+
+
+def _read_frames(file: h5py.File, reading: Reading, place: Place) -> Iterator[Frame]:
+    _check_creator(file, place)
+    group, count = file[_GROUP], file[_COUNT]
+    owners = [(element, i) for element in map(_element, sorted(set(group) - {"box"})) for i in range(len(element.columns))]
+    picked = pick([element.columns[i] for element, i in owners], reading, place)
+    wanted = [owners[at] for at in picked.at]
+    datasets = {element: file[f"{element.path}/value"] for element, _ in wanted}
+    flags = cast("tuple[str, str, str]", tuple(str(flag) for flag in group["box"].attrs["boundary_flags"]))
+    for i, n in enumerate(count["value"]):
+        tables = {element: _rows(dataset, i, int(n), place) for element, dataset in datasets.items()}
+        table = np.array([tables[element][:, j] for element, j in wanted])
+        box = np.column_stack([group[f"box/{end}/value"][i] for end in ("lower", "upper")])
+        yield Frame(int(count["step"][i]), box, flags, picked.columns(table, place), time=float(count["time"][i]))
+
+
+def _check_creator(file: h5py.File, place: Place) -> None:
+    creator = file["h5md/creator"].attrs["name"] if "h5md/creator" in file else "no H5MD creator"
+    if creator != _CREATOR:
+        message = f"not a trajectory of demverify: an HDF5 file of {str(creator)[:40]!r}; other programs' H5MD lacks counts and boundary flags"
+        raise InputError(message, place)
+
+
+def _element(name: str) -> _Element:
+    return _Element(name, _VECTORS.get(name, ("type" if name == "species" else name,)))
+
+
+def _rows(dataset: h5py.Dataset, frame: int, n: int, place: Place) -> Floats:
+    """(n, columns)."""
+    if not 0 <= n <= dataset.shape[1]:
+        message = f"frame {frame + 1} has {n} particles, {dataset.name} only {dataset.shape[1]}"
+        raise InputError(message, place)
+    return np.asarray(dataset[frame, :n], dtype=np.float64).reshape(n, -1 if n else int(np.prod(dataset.shape[2:])))
 
 
 def _opened(path: Path) -> h5py.File:
@@ -229,11 +275,5 @@ def _opened(path: Path) -> h5py.File:
         why = str(error).splitlines()[0]
         if "already open" in why or "unable to lock" in why:  # a writer was killed, or is still at it
             return h5py.File(path, "r", libver="latest", swmr=True)
-        message = f"not an HDF5 file, or damaged: {why}"
+        message = f"not an HDF5 file (a packed one must be unpacked first), or damaged: {why}"
         raise InputError(message, Place(path)) from None
-
-
-def _columns(element: str, values: Floats) -> dict[str, Floats]:
-    if element in _VECTORS:
-        return {name: np.ascontiguousarray(values[:, i]) for i, name in enumerate(_VECTORS[element])}
-    return {"type" if element == "species" else element: values}

@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
-import gzip
-from collections.abc import Callable, Iterator, Mapping, Sequence
+import zlib
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from io import BufferedReader, RawIOBase
 from pathlib import Path
-from typing import IO, cast
+from typing import Any, Protocol
 
 from demverify.errors import InputError, Place
 from demverify.frames import Frame
 
 GZIP_MAGIC = b"\x1f\x8b"
 ZSTD_MAGIC = b"\x28\xb5\x2f\xfd"
+_PIECE = 1 << 14  # packed bytes at a time: even what shrinks a thousandfold stays small
 
 
 @dataclass(frozen=True)
@@ -54,12 +56,17 @@ class Reading:
             message = f"{len(self.columns)} names were given ({' '.join(self.columns)}) for {got}"
             raise InputError(message, place)
         given = [self.names.get(name, name) for name in self.columns or found]
-        names = [name if self.keep is None or name in self.keep else None for name in given]
+        kept = self.wanted(given)
+        names = [name if name in kept else None for name in given]
         wanted = [name for name in names if name is not None]
         if twice := {name for name in wanted if wanted.count(name) > 1}:
             message = f"expected distinct columns, got {min(twice)} twice: {' '.join(given)}"
             raise InputError(message, place)
         return names
+
+    def wanted(self, names: Sequence[str]) -> Collection[str]:
+        """Those of a file's names (after renaming) that are to be kept."""
+        return names if self.keep is None else self.keep
 
 
 AS_WRITTEN = Reading()
@@ -80,18 +87,80 @@ def whole_frames(frames: Iterator[Frame], reading: Reading) -> Iterator[Frame]:
         reading.half_written(error)
 
 
-def opened(path: Path) -> IO[bytes]:
-    """The bytes of a file, unpacked if it is gzip or zstd. Raises InputError when it cannot be read."""
-    try:
-        with path.open("rb") as raw:
-            magic = raw.read(4)
-        if magic.startswith(GZIP_MAGIC):
-            return cast("IO[bytes]", gzip.open(path))
-        if magic == ZSTD_MAGIC:
-            import zstandard
+def opened(path: Path) -> BufferedReader:
+    """The bytes of a file, unpacked if it is gzip or zstd.
 
-            return cast("IO[bytes]", zstandard.open(path, "rb"))
-        return path.open("rb")
+    Raises InputError when it cannot be read, now or, of a packed one, later; HalfWrittenError where a packed one ends early, after
+    what it holds has been given.
+    """
+    try:
+        stream = path.open("rb")
+        magic = stream.read(4)
+        stream.seek(0)
     except OSError as error:
         message = f"cannot be read: {error.strerror}"
         raise InputError(message, Place(path)) from None
+    if magic.startswith(GZIP_MAGIC):
+        return BufferedReader(_Unpacked(path, stream, lambda: zlib.decompressobj(16 + zlib.MAX_WBITS), zlib.error))
+    if magic == ZSTD_MAGIC:
+        import zstandard
+
+        return BufferedReader(_Unpacked(path, stream, lambda: zstandard.ZstdDecompressor().decompressobj(), zstandard.ZstdError))
+    return stream
+
+
+class _Unpacker(Protocol):
+    """One packed stream; a file may hold several, one after the other."""
+
+    @property
+    def eof(self) -> bool:
+        """Whether it has come to its end."""
+
+    @property
+    def unused_data(self) -> bytes:
+        """What came after its end."""
+
+    def decompress(self, piece: bytes, /) -> bytes:
+        """What a piece holds."""
+
+
+class _Unpacked(RawIOBase):
+    """The bytes of a packed file."""
+
+    def __init__(self, path: Path, packed: BufferedReader, fresh: Callable[[], _Unpacker], damaged: type[Exception]) -> None:
+        self._path, self._packed, self._fresh, self._damaged = path, packed, fresh, damaged
+        self._unpacker: _Unpacker | None = None
+        self._ahead = memoryview(b"")
+
+    def readable(self) -> bool:
+        return True
+
+    def readinto(self, target: Any, /) -> int:
+        """At least one byte, unless the file is at its end."""
+        room = memoryview(target)
+        while not self._ahead and (piece := self._piece()):
+            try:
+                self._unpacker = self._unpacker or self._fresh()
+                self._ahead = memoryview(self._unpacker.decompress(piece))
+            except self._damaged as error:
+                message = f"cannot be unpacked: {error}"
+                raise InputError(message, Place(self._path)) from None
+        n = min(len(room), len(self._ahead))
+        room[:n] = self._ahead[:n]
+        self._ahead = self._ahead[n:]
+        return n
+
+    def _piece(self) -> bytes:
+        """Packed bytes for `_unpacker`; none at the end of the file. Raises HalfWrittenError where that comes too early."""
+        left = b""
+        if self._unpacker is not None and self._unpacker.eof:
+            left, self._unpacker = self._unpacker.unused_data, None
+        piece = left or self._packed.read(_PIECE)
+        if not piece and self._unpacker is not None:
+            message = "the file ends inside its packed stream"
+            raise HalfWrittenError(message, Place(self._path))
+        return piece
+
+    def close(self) -> None:
+        self._packed.close()
+        super().close()

@@ -32,14 +32,14 @@ def energy_picture(name: str, series: Mapping[str, EnergySeries]) -> str:
         (times, values, _stroke(order.index(engine), f"e{order.index(engine)}")) for engine, (times, values) in shown.items()
     ]
     ends = "; ".join(f"{engine} from {values[0]:.4g} to {values[-1]:.4g}" for engine, (_, values) in shown.items())
-    return _lines(name, f"{name} over time: {ends}", lines)
+    return lines_picture(name, f"{name} over time: {ends}", lines)
 
 
 def budget_picture(engine: str, series: EnergySeries, names: Sequence[str]) -> str:
     """The energy budget of one engine: every share over time, each in a colour and dash of its own."""
     lines = [(series.time, series.values[name], budget_stroke(k)) for k, name in enumerate(names)]
     ends = "; ".join(f"{name} from {series.values[name][0]:.4g} to {series.values[name][-1]:.4g}" for name in names)
-    return _lines("energy", f"energy budget of {engine} over time: {ends}", lines)
+    return lines_picture("energy", f"energy budget of {engine} over time: {ends}", lines)
 
 
 def budget_stroke(index: int) -> str:
@@ -112,15 +112,15 @@ def _stroke(index: int, colour: str) -> str:
     return f'class="{colour}" stroke-width="{width}" stroke-opacity="{opacity}"{dashed}'
 
 
-def _lines(title: str, label: str, lines: Sequence[tuple[Floats, Floats, str]]) -> str:
-    """A picture of values over time on linear axes; energies start at zero."""
+def lines_picture(title: str, label: str, lines: Sequence[tuple[Floats, Floats, str]], x_name: str = "time") -> str:
+    """A picture of values over time on linear axes, (times, values, stroke) a line; energies start at zero. label: for screen readers."""
     times, values = (np.concatenate([line[k] for line in lines]) for k in (0, 1))
     values = values[np.isfinite(values)]
     low, high = (float(values.min()), float(values.max())) if len(values) else (0.0, 1.0)
     x_axis = linear(float(times.min()), float(times.max()))
     y_axis = linear(min(0.0, low * 1.06), max(0.0, high * 1.06))
     drawn = "".join(_line(*_places(t, v, x_axis, y_axis), stroke) for t, v, stroke in lines)
-    return _frame(title, label, x_axis, y_axis, drawn, "time", "")
+    return _frame(title, label, x_axis, y_axis, drawn, x_name, "")
 
 
 def _frame(title: str, label: str, x_axis: Axis, y_axis: Axis, drawn: str, x_name: str, y_name: str) -> str:

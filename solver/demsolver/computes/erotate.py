@@ -22,7 +22,9 @@ import numpy as np
 
 from demsolver.computes.population import Energies, Population
 
-ORDER = ("multisphere", "superquadric")
+BODIES = "multisphere"
+"""The shape that may be there without its particles: a dump of bodies does not list their members."""
+ORDER = (BODIES, "superquadric")
 LAST = "sphere"
 
 
@@ -40,7 +42,7 @@ def erotate_by_shape(population: Population) -> Iterator[tuple[str, Energies]]:
     free = np.ones(len(population.id), dtype=bool)
     for shape, child in children():
         mine = child.owned(population) & free
-        if mine.any():
+        if mine.any() or (shape == BODIES and population.bodies is not None):
             yield shape, child.energies(population, mine)
             free &= ~mine
 

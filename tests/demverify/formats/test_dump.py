@@ -41,9 +41,9 @@ def test_series_sorts_numbers_not_letters(tmp_path: Path) -> None:
     assert [f.step for f in read_dump(tmp_path / "post" / "d*.txt")] == [9, 10, 100]
 
 
-@pytest.mark.parametrize("content", [b"", b"hello world\n", b"---\ncreator: LAMMPS\n", b"\x7fELF\x02\x01\x01\x00\x00\x00"])
+@pytest.mark.parametrize("content", [b"", b"hello world\n", b"key: value\n", b"\x7fELF\x02\x01\x01\x00\x00\x00"])
 def test_what_is_no_dump_is_refused(tmp_path: Path, content: bytes) -> None:
-    """Law: an empty file, prose, yaml and other binaries are refused in one line that names the file."""
+    """Law: an empty file, prose, loose yaml and other binaries are refused in one line that names the file."""
     (tmp_path / "x").write_bytes(content)
     with pytest.raises(InputError, match=r"x: not a dump of particles") as caught:
         list(read_dump(tmp_path / "x"))

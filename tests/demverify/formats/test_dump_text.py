@@ -13,7 +13,7 @@ from hypothesis import HealthCheck, given, settings
 from demverify.errors import InputError
 from demverify.formats import dump_text
 from demverify.formats.dump import read_dump
-from demverify.formats.dump_text import text_frame
+from demverify.formats.dump_text_writer import text_frame
 from demverify.formats.reading import AS_WRITTEN, Block, Reading
 from demverify.frames import Frame
 from tests.demverify.formats.samples import BOX, DATA, EXACT, NAMES, assert_same, frame, frames

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import gzip
 import signal
 import subprocess
 import sys
+import tracemalloc
+from collections.abc import Callable
 from pathlib import Path
 
 import h5py
@@ -15,7 +18,9 @@ from hypothesis import strategies as st
 
 from demverify.errors import InputError
 from demverify.formats.atomic import part_path
+from demverify.formats.dump import read_dump
 from demverify.formats.h5md import TrajectoryWriter, read_h5md
+from demverify.formats.reading import Reading
 from demverify.frames import Frame
 from tests.demverify.formats.samples import assert_same, frame, frames
 
@@ -37,6 +42,70 @@ def test_round_trip_keeps_every_bit(tmp_path: Path, series: list[Frame]) -> None
     write(tmp_path / "t.h5", series)
     for got, expected in zip(read_h5md(tmp_path / "t.h5"), series, strict=True):
         assert_same(got, expected)
+
+
+def test_time_units_and_dialect(tmp_path: Path) -> None:
+    """Law: the time that was written comes back; H5MD tells neither units nor the engine."""
+    write(tmp_path / "t.h5", [frame(step=0), frame(step=10)])
+    assert [(f.time, f.units, f.dialect, f.local) for f in read_h5md(tmp_path / "t.h5")] == [(0.0, None, None, False), (0.5, None, None, False)]
+
+
+def test_only_wanted_columns(tmp_path: Path) -> None:
+    """Law: names rename, keep selects; a dump reader finds the file by its content; of a vector one axis may be wanted."""
+    series = [frame(3, step, ALL) for step in (0, 10)]
+    write(tmp_path / "t.bin", series)
+    got = list(read_dump(tmp_path / "t.bin", Reading(names={"omegay": "spin"}, keep=frozenset({"spin", "type"}))))
+    assert [(f.step, set(f.columns)) for f in got] == [(0, {"spin", "type"}), (10, {"spin", "type"})]
+    for one, expected in zip(got, series, strict=True):
+        np.testing.assert_array_equal(one.columns["spin"], expected.columns["omegay"])
+
+
+def test_memory_does_not_grow_with_frames(tmp_path: Path) -> None:
+    """Law: frames are read one at a time: forty need the memory of four."""
+
+    def peak(count: int) -> int:
+        write(tmp_path / "t.h5", [frame(4000, step) for step in range(count)])
+        tracemalloc.start()
+        assert sum(f.n for f in read_h5md(tmp_path / "t.h5")) == 4000 * count
+        found = tracemalloc.get_traced_memory()[1]
+        tracemalloc.stop()
+        return found
+
+    peak(1)
+    assert peak(40) < 1.2 * peak(4)  # the old frame, still held by the loop, and the new one
+
+
+@pytest.mark.parametrize(
+    ("damage", "message"),
+    [
+        (lambda file: file["observables/all/count/value"].write_direct(np.array([3, 9])), r"frame 2 has 9 particles, .* only 3"),
+        (lambda file: file["observables/all/count/value"].write_direct(np.array([3, -1])), "frame 2 has -1 particles"),
+        (lambda file: file["observables/all/count/value"].resize(7, axis=0), "damaged: .*out of range"),
+        (lambda file: file["particles/all/id/value"].resize((2, 2)), "frame 1 has 3 particles, .* only 2"),
+        (lambda file: file["particles/all/id/value"].write_direct(np.array([[1, 1, 2]] * 2)), "id 1 stands in two rows"),
+        (lambda file: file["particles/all"].pop("id"), "an id among them"),
+        (lambda file: file["particles/all/box"].attrs.pop("boundary_flags"), "damaged: .*boundary_flags"),
+        (lambda file: file["h5md/creator"].attrs.modify("name", "other"), "an HDF5 file of 'other'"),
+        (lambda file: file.pop("h5md"), "an HDF5 file of 'no H5MD creator'"),
+        (lambda file: file.pop("particles"), "damaged: .*not found"),
+    ],
+)
+def test_damaged_and_foreign_files_are_refused(tmp_path: Path, damage: Callable[[h5py.File], object], message: str) -> None:
+    """Law: what a frame cannot be without is named in one line; other programs' H5MD is refused as such."""
+    write(tmp_path / "t.h5", [frame(), frame(step=10)])
+    with h5py.File(tmp_path / "t.h5", "r+") as file:
+        damage(file)
+    with pytest.raises(InputError, match=message) as caught:
+        list(read_h5md(tmp_path / "t.h5"))
+    assert "\n" not in str(caught.value)
+
+
+def test_packed_hdf5_is_refused_with_the_reason(tmp_path: Path) -> None:
+    """Law: a gzipped trajectory is known for what it is, and must be unpacked."""
+    write(tmp_path / "t.h5", [frame()])
+    (tmp_path / "t.h5.gz").write_bytes(gzip.compress((tmp_path / "t.h5").read_bytes()))
+    with pytest.raises(InputError, match="a packed one must be unpacked first"):
+        list(read_dump(tmp_path / "t.h5.gz"))
 
 
 def test_layout_is_h5md(tmp_path: Path) -> None:

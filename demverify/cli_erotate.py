@@ -1,0 +1,152 @@
+"""`demverify erotate`: the words of the command line, and where its results go."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import ExitStack, contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Literal
+
+import typer
+
+if TYPE_CHECKING:
+    from demverify.analysis.energies import Row
+    from demverify.analysis.erotate import Part, Request
+    from demverify.analysis.series import Series
+    from demverify.analysis.workers import Workers
+    from demverify.formats.reading import Block
+    from demverify.formats.table import Table
+
+def erotate(
+    files: Annotated[list[str], typer.Argument(metavar="FILE...", help="Dumps of LAMMPS or LIGGGHTS, of any kind; patterns in quotes work too.")],
+    bodies: Annotated[list[str] | None, typer.Option(metavar="FILE...", help="Dumps of the bodies of clumps (dump local).")] = None,
+    template: Annotated[list[Path] | None, typer.Option(metavar="FILE", help="Template of a clump: rows x y z r; may be repeated.")] = None,
+    density: Annotated[float | None, typer.Option(help="Density of all particles, where the dump has no mass.")] = None,
+    deck: Annotated[Path | None, typer.Option(help="The deck of the run: says what columns are, densities, clumps, units, time step.")] = None,
+    var: Annotated[list[str] | None, typer.Option(metavar="NAME VALUE", help="A variable of the deck, as -var of LAMMPS.")] = None,
+    columns: Annotated[str | None, typer.Option(metavar='"ID TYPE ..."', help="Names of all columns of FILE, in order.")] = None,
+    body_columns: Annotated[str | None, typer.Option(metavar='"..."', help="Names of all columns of the --bodies files.")] = None,
+    timestep: Annotated[float | None, typer.Option(help="Time of one step, where neither dump nor deck says it.")] = None,
+    inertia: Annotated[Literal["union", "spheres"] | None, typer.Option(help="Of clumps: union of the spheres, or spheres as if apart.")] = None,
+    halfstep: Annotated[bool, typer.Option("--halfstep", help="Spins half a step later, as LIGGGHTS' keyword.")] = False,
+    per_particle: Annotated[bool, typer.Option("--per-particle", help="Tables of every particle's energy, not of sums.")] = False,
+    json: Annotated[Path | None, typer.Option(metavar="FILE", help="Also write the table as JSON: a list of objects.")] = None,
+    csv: Annotated[Path | None, typer.Option(metavar="FILE", help="Also write the table as CSV.")] = None,
+    h5: Annotated[Path | None, typer.Option(metavar="FILE", help="Also write the table as HDF5, a dataset a column.")] = None,
+    plot: Annotated[Path | None, typer.Option(metavar="FILE.svg", help="Also draw energy over time.")] = None,
+    threads: Annotated[int | None, typer.Option(min=1, max=256, help="Threads that read; default: all cores.")] = None,
+    scheduler: Annotated[str | None, typer.Option(metavar="ADDRESS", help="A Dask scheduler whose workers do the reading.")] = None,
+) -> None:
+    """Rotational energy of a finished run from its dumps: spheres, clumps and superquadrics, in total and per shape."""
+    from demverify.analysis.energies import Wanted
+    from demverify.analysis.erotate import Request, gather, split
+    from demverify.analysis.options import meanings_from
+    from demverify.analysis.series import with_bodies
+    from demverify.cli import variables_of
+    from demverify.formats.atomic import check_writable
+    from demverify.formats.dump import dump_files
+
+    for path in (json, csv, h5, plot):
+        if path:
+            check_writable(path)
+    meanings, notes = meanings_from(deck, variables_of(var), template or (), density, timestep)
+    request = Request(Wanted(meanings, halfstep, inertia=inertia), _words(columns), keep_particles=per_particle)
+    with ExitStack() as stack:
+        workers = stack.enter_context(_workers(threads, scheduler))
+        tables = _tables(stack, json, csv, h5)
+        watch = _each_particle(tables) if per_particle else _nothing
+        if bodies:
+            of_particles, of_bodies = split(request, _words(body_columns))
+            particles = gather(_run(dump_files(files), of_particles, workers), watch)
+            found = with_bodies(particles, gather(_run(dump_files(bodies), of_bodies, workers), watch))
+        else:
+            found = gather(_run(dump_files(files), request, workers), watch)
+        if not per_particle:
+            for table in tables:
+                table.write(_chunk(found.rows))
+    if plot and found.rows:
+        from demverify.report.erotate import write_picture
+
+        write_picture(plot, found.rows)
+    for note in (*notes, *found.notes):
+        print(f"demverify: note: {note}", file=sys.stderr)
+    raise typer.Exit(0 if _sound(found) else 1)
+
+
+def _words(text: str | None) -> tuple[str, ...] | None:
+    return tuple(text.split()) if text else None
+
+
+@contextmanager
+def _workers(threads: int | None, scheduler: str | None) -> Iterator[Workers]:
+    import os
+
+    from demverify.analysis import workers
+
+    count = threads or len(os.sched_getaffinity(0))
+    with workers.cluster(scheduler) if scheduler else workers.threads(count) as found:
+        yield found
+
+
+def _run(files: Sequence[Path], request: Request, workers: Workers) -> Iterator[Part]:
+    from demverify.analysis.workers import parts_in_parallel
+    from demverify.formats.dump import blocks_of
+
+    with _bar(sum(path.stat().st_size for path in files)) as done:
+        yield from parts_in_parallel(blocks_of(files), request, workers, done)
+
+
+@contextmanager
+def _bar(size: int) -> Iterator[Callable[[Block], object]]:
+    """A progress bar on stderr, in bytes, with rate and time left, where there is somebody to see it."""
+    if not sys.stderr.isatty():
+        yield _nothing
+        return
+    from rich.console import Console
+    from rich.progress import BarColumn, DownloadColumn, Progress, TimeRemainingColumn, TransferSpeedColumn
+
+    columns = (BarColumn(), DownloadColumn(), TransferSpeedColumn(), TimeRemainingColumn())
+    with Progress(*columns, console=Console(stderr=True), transient=True) as bars:
+        task = bars.add_task("", total=size)
+        yield lambda block: bars.advance(task, (block.stop or block.path.stat().st_size) - block.start)
+
+
+def _nothing(_: object) -> None:
+    pass
+
+
+def _tables(stack: ExitStack, json: Path | None, csv: Path | None, h5: Path | None) -> list[Table]:
+    from demverify.formats.table import TextTable, csv_table, h5_table, json_table
+
+    opened = [stack.enter_context(make(path)) for make, path in ((json_table, json), (csv_table, csv), (h5_table, h5)) if path]
+    return [TextTable(sys.stdout), *opened]
+
+
+def _chunk(rows: Sequence[Row]) -> dict[str, list[Any]]:
+    """The rows as columns; of no rows the names alone."""
+    from demverify.analysis.energies import SHAPES, Row
+
+    names = Row(0, None, 0, dict.fromkeys(SHAPES, 0.0), None).as_dict()
+    dicts = [row.as_dict() for row in rows]
+    return {name: [values[name] for values in dicts] for name in names}
+
+
+def _each_particle(tables: Sequence[Table]) -> Callable[[Part], None]:
+    """Writes the energy of every particle of a part, a chunk a frame: step time shape id erotate."""
+
+    def write(part: Part) -> None:
+        for frame in part.frames:
+            for shape, energies in frame.by_particle.items():
+                n = len(energies.id)
+                chunk: dict[str, Any] = {"step": [frame.row.step] * n, "time": [frame.row.time] * n, "shape": [shape] * n}
+                chunk |= {"id": energies.id, "erotate": energies.value}
+                for table in tables:
+                    table.write(chunk)
+
+    return write
+
+
+def _sound(found: Series) -> bool:
+    """False when a number was not finite."""
+    return all(row.erotate == row.erotate for row in found.rows)
