@@ -25,7 +25,7 @@ from demverify.analysis.congruence import Placed, Tolerance, alike, by_template
 from demverify.analysis.meanings import Meanings
 from demverify.analysis.needed import POSITIONS
 from demverify.errors import InputError
-from demverify.frames import Floats, Frame
+from demverify.frames import UNKNOWN_BOUNDARY, Floats, Frame
 
 Ints = NDArray[np.int64]
 Inertia = Literal["union", "spheres"]
@@ -137,10 +137,14 @@ def _in_one_piece(x: Floats, body: Ints, frame: Frame) -> Floats:
     """Every member (m, k, 3) at the image that is nearest to the first of its body."""
     names = next((names for names in POSITIONS if all(name in frame.columns for name in names)), ("x",))
     periodic = np.array([faces == "pp" for faces in frame.boundary])
-    if names[0].endswith("u") or not periodic.any():
+    maybe = frame.boundary == UNKNOWN_BOUNDARY and bool(np.isfinite(frame.edges).all())
+    if names[0].endswith("u") or not (periodic.any() or maybe):
         return x
     arms = x - x[:, :1]
     turns = arms @ np.linalg.pinv(frame.edges)  # of a box without depth too
+    if maybe:
+        _check_none_reaches_far(turns, body)
+        return x
     images = np.round(turns) * periodic
     turns -= images
     wide = ((np.ptp(turns, axis=1) >= 0.5) & periodic).any(axis=1)
@@ -151,6 +155,17 @@ def _in_one_piece(x: Floats, body: Ints, frame: Frame) -> Floats:
         )
         raise InputError(message)
     return np.asarray(x[:, :1] + (arms - images @ frame.edges))
+
+
+def _check_none_reaches_far(turns: Floats, body: Ints) -> None:
+    """Where the file does not tell whether its box is periodic, a body as long as half of it may be one whose spheres were wrapped."""
+    far = (np.ptp(turns, axis=1) >= 0.5).any(axis=1)
+    if far.any():
+        message = (
+            f"body {body[far][0]} reaches over half the box, and the file does not tell whether that is periodic: "
+            "expected the columns xu yu zu, or a dump of another kind"
+        )
+        raise InputError(message)
 
 
 def _sums(members: _Members, conventions: _Conventions) -> _Bodies:

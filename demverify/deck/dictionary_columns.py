@@ -19,10 +19,13 @@ _PARTICLE = {  # attribute of compute property/atom -> word of dump custom
 _IN_FORMULA = {  # of an atom-style variable; LIGGGHTS knows those of the last two lines
     **{name: name for name in ("id", "mol", "type", "mass", "radius", *(p + a for a in _XYZ for p in ("", "v", "f")))},
     **{p + a: p + a for a in _XYZ for p in ("omega", "tq")},
-    "r": "radius", "density": "density", **{f"quat{i}": f"quat{i}" for i in (1, 2, 3, 4)},
+    "r": "radius",
+    "density": "density",
+    **{f"quat{i}": f"quat{i}" for i in (1, 2, 3, 4)},
 }
 _BODY = {  # attribute of LAMMPS' compute rigid/local -> property of a body
-    "mol": "id_multisphere", "mass": "masstotal",
+    "mol": "id_multisphere",
+    "mass": "masstotal",
     **{a: f"xcm[{i}]" for i, a in enumerate(_XYZ, start=1)},
     **{old + a: f"{new}[{i}]" for i, a in enumerate(_XYZ, start=1) for old, new in (("v", "vcm"), ("f", "fcm"), ("tq", "torque"))},
     **{name + a: f"{name}[{i}]" for i, a in enumerate(_XYZ, start=1) for name in ("omega", "angmom", "inertia")},

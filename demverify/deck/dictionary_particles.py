@@ -229,4 +229,3 @@ def _type_range(word: str) -> range | None:
     """N, N:M or N:M:STEP of a group; None for anything else."""
     found = re.fullmatch(r"(\d{1,9})(?::(\d{1,9})(?::([1-9]\d{0,8}))?)?", word, re.ASCII)
     return range(int(found[1]), int(found[2] or found[1]) + 1, int(found[3] or 1)) if found else None
-

@@ -166,7 +166,8 @@ def _no_names(data: _Bytes, reading: Reading, ncol: int) -> list[str]:
     if not 0 < ncol <= _LONGEST:
         raise data.error(f"{ncol} columns")
     if reading.columns is None:
-        raise data.error(f"this layout has no column names; name its {ncol} columns with --columns, in the order of the dump command")
+        message = f"a binary dump with no column names; name its {ncol} columns with --columns, in the order of the dump command"
+        raise InputError(message, Place(data.path))
     return [""] * ncol
 
 

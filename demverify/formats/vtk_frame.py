@@ -5,8 +5,8 @@ compute or fix); they become columns again. quat1 to quat4 are written as a rota
 quat1 >= 0. The array of xs ys zs, xu yu zu or xsu ysu zsu loses its name; its columns are called unknownx unknowny unknownz. A variable
 v_NAME is called NAME.
 
-Known to be wrong in LIGGGHTS 3.8.0: TENSOR in the dump of a group other than all holds the matrices of other particles
-(DumpParticle::pack_tensor takes the first particles of the processor, not those of the group).
+By its source (DumpParticle::pack_tensor, LIGGGHTS-PUBLIC of 2024; not run) LIGGGHTS writes wrong TENSORs for a group other than all:
+those of the first particles of the processor, not of the group.
 
 Neither step, time, units nor boundary flags are in the file. The step is in its name. The box is in `*boundingBox_N` beside it.
 """

@@ -175,8 +175,12 @@ def test_a_body_as_long_as_half_the_box() -> None:
     swarm = Swarm([long])
     with pytest.raises(InputError, match=r"body 10 reaches over half the periodic box.*xu yu zu"):
         rigid_bodies(swarm.whole, frame(boundary="pp"), LIGGGHTS)
-    for fine in (frame("xu", "pp"), frame("x", "ff"), frame("x", "sm")):
+    with pytest.raises(InputError, match=r"body 10 reaches over half the box, and the file does not tell whether that is periodic.*xu yu zu"):
+        rigid_bodies(swarm.whole, frame(boundary="??"), LIGGGHTS)
+    for fine in (frame("xu", "pp"), frame("x", "ff"), frame("x", "sm"), frame("xu", "??")):
         assert_law(swarm, rigid_bodies(swarm.whole, fine, LIGGGHTS), union)
+    short = Swarm([CROOKED])
+    assert_law(short, rigid_bodies(short.whole, frame(boundary="??"), LIGGGHTS), union)
 
 
 @settings(max_examples=25, deadline=None)

@@ -25,7 +25,6 @@ READ = {  # steps, rows a frame, columns
     "lammps/general.txt": ([0, 1], 3, 8),
     "lammps/general_scaled.bin": ([0, 1], 3, 5),
     "lammps/headless.txt": ([0, 1, 2], 20, 6),  # nothing tells the steps: they are counted
-    "lammps/headless.txt": ([0, 1, 2], 20, 6),
     "lammps/none.txt": ([0, 200, 400], 0, 3),
     "lammps/none.yaml": ([0, 1], 0, 2),
     "lammps/renamed.txt": ([0, 10, 20], 20, 6),
