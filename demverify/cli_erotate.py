@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
@@ -85,7 +86,7 @@ def _workers(threads: int | None, scheduler: str | None) -> Iterator[Workers]:
     from demverify.analysis import workers
 
     count = threads or len(os.sched_getaffinity(0))
-    with workers.cluster(scheduler) if scheduler else workers.threads(count) as found:
+    with workers.threads(count) if scheduler is None else workers.cluster(scheduler) as found:
         yield found
 
 
@@ -149,4 +150,4 @@ def _each_particle(tables: Sequence[Table]) -> Callable[[Part], None]:
 
 def _sound(found: Series) -> bool:
     """False when a number was not finite."""
-    return all(row.erotate == row.erotate for row in found.rows)
+    return all(math.isfinite(value or 0.0) for row in found.rows for value in (row.erotate, row.ke))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 
 @dataclass(frozen=True)
@@ -24,3 +25,7 @@ class InputError(ValueError):
         self.message = message
         self.place = place
         super().__init__(f"{place}: {message}" if place else message)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Message and place survive the way from one process to another."""
+        return type(self), (self.message, self.place)

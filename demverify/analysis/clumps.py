@@ -115,6 +115,9 @@ def _check_columns(population: Population, frame: Frame) -> None:
     if missing:
         message = f"erotate/multisphere needs the columns {' '.join(missing)} of the members, or a dump of bodies; got {' '.join(frame.columns)}"
         raise InputError(message)
+    if population.shape is not None and population.body is not None and population.shape[population.body > 0].any():
+        message = "members of rigid bodies have shapes of their own: expected spheres, or a dump of bodies (LAMMPS compute rigid/local)"
+        raise InputError(message)
 
 
 def _by_size(population: Population, frame: Frame) -> Iterator[_Members]:

@@ -111,6 +111,9 @@ def energies_of(frame: Frame, wanted: Wanted, present: Sequence[str] = ()) -> Fr
     by_shape = {shape: by_particle[shape].total if shape in by_particle else 0.0 for shape in SHAPES}
     by_shape |= dict.fromkeys(spoilt, np.nan)
     row = Row(frame.step, _time(frame, wanted.meanings), frame.n, by_shape, _ke(population, spoilt, factor), crc32(population.id.tobytes()))
+    unsound = [name for name, value in (("erotate", row.erotate), ("ke", row.ke)) if not np.isfinite(value or 0.0)]
+    if unsound and not any(note.startswith("step ") for note in notes):  # finite numbers, but too large together
+        notes.append(f"step {frame.step}: {' and '.join(unsound)} not finite")
     return FrameEnergies(row, by_particle, notes)
 
 
@@ -141,9 +144,9 @@ def _sound(population: Population, step: int, notes: list[str], spoilt: set[str]
     """The population without particles that have a number that is not finite; these go into the notes, their shapes into `spoilt`."""
     good = np.ones(len(population.id), dtype=bool)
     for name, values in _arrays(population):
+        fine = np.isfinite(values).all(axis=tuple(range(1, values.ndim)))
+        notes += [f"step {step}: {name} of particle {i} is not finite" for i in population.id[~fine][:_NAMED]]
         if name != "v":
-            fine = np.isfinite(values).all(axis=tuple(range(1, values.ndim)))
-            notes += [f"step {step}: {name} of particle {i} is not finite" for i in population.id[~fine][:_NAMED]]
             good &= fine
     if good.all():
         return population

@@ -55,8 +55,8 @@ def split(request: Request, body_columns: tuple[str, ...] | None = None) -> tupl
     return particles, replace(request, wanted=replace(request.wanted, clumps="alone"), columns=body_columns)
 
 
-def energies_of_block(block: Block, request: Request) -> Part:
-    """All frames of a block. Raises InputError."""
+def energies_of_block(block: Block, request: Request, stopped: Callable[[], bool] = lambda: False) -> Part:
+    """All frames of a block. stopped: asked before each frame whether to leave it at that. Raises InputError."""
     notes: list[str] = []
     columns = request.columns or _columns_of_deck(block.path, request.wanted.meanings)
     reading = NeededColumns(
@@ -67,6 +67,8 @@ def energies_of_block(block: Block, request: Request) -> Part:
     )
     frames = []
     for frame in read_block(block, reading):
+        if stopped():
+            break
         try:
             found = energies_of(frame, request.wanted)
         except InputError:
@@ -144,7 +146,14 @@ def _series(frames: Paths | Iterable[Frame] | Universe, request: Request) -> Ser
     if isinstance(frames, Sequence) and all(isinstance(item, str | Path) for item in frames):
         return gather(energies_of_block(block, request) for block in blocks_of(dump_files(frames)))
     many = cast("Iterable[Frame]", frames_of_universe(frames) if hasattr(frames, "trajectory") else frames)
-    return gather(Part("frames", [energies_of(frame, request.wanted)], []) for frame in many)
+    return gather(Part("frames", [energies_as_written(frame, request.wanted)], []) for frame in many)
+
+
+def energies_as_written(frame: Frame, wanted: Wanted) -> FrameEnergies:
+    """All of a frame whose columns have the names that its file gives them. Raises InputError."""
+    names = Reading(names=wanted.meanings.names).called(list(frame.columns), Place(Path("frames")))
+    columns = {name: values for name, values in zip(names, frame.columns.values(), strict=True) if name is not None}
+    return energies_of(replace(frame, columns=columns), wanted, list(frame.columns))
 
 
 def gather(parts: Iterable[Part], watch: Callable[[Part], object] = lambda part: None) -> Series:

@@ -80,6 +80,8 @@ def population_of(frame: Frame, meanings: Meanings, *, halfstep: bool = False) -
         body=member_of(frame, meanings),
         mass=_mass(frame, meanings, radius, shape, blockiness),
     )
+    if "mass" not in frame.columns and found.mass is not None and not found.mass.all():
+        found = replace(found, v=None)  # the mass of points, and so their energy of translation, does not follow from a density
     return _half_a_step_later(found, frame, meanings) if halfstep else found
 
 
@@ -96,6 +98,9 @@ def bodies_of(frame: Frame) -> RigidBodies | None:
 
 def check_complete(population: Population, present: list[str]) -> None:
     """Raises MissingColumnError unless every shape that is there has what its energy needs. present: the columns of the file."""
+    if population.shape is None and any(values is not None for values in (population.angmom, population.quat, population.blockiness)):
+        message = f"angmom, quat, blockiness are not of spheres: expected shapex shapey shapez too; the dump has {' '.join(present)}"
+        raise MissingColumnError(message)
     free = np.ones(len(population.id), dtype=bool)
     for shape, child in children():
         mine = child.owned(population) & free

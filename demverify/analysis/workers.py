@@ -2,91 +2,198 @@
 
 from __future__ import annotations
 
+import asyncio
+import logging
+import socket
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
+from dataclasses import replace
+from threading import Event
 from typing import Any, Protocol
 
 from demverify.analysis.erotate import Part, Request, energies_of_block
-from demverify.errors import InputError
+from demverify.errors import InputError, Place
 from demverify.formats.reading import Block
 
 _AHEAD = 2  # blocks a worker has waiting: enough to keep it busy, few enough to keep memory small
+_PATIENCE = 5.0  # seconds for a scheduler to answer, and for a cluster without workers to get some
+
+
+class Pending(Protocol):
+    """A block somebody works on."""
+
+    def result(self) -> Part:
+        """Waits for it. Raises InputError."""
+
+    def cancel(self) -> object:
+        """It is no longer wanted."""
 
 
 class Workers(Protocol):
-    """Something that computes blocks."""
+    """Something that computes blocks, `count` at a time."""
 
     count: int
 
-    def submit(self, block: Block, request: Request) -> Any:
-        """Starts on a block; gives a future with a `result()`."""
+    def submit(self, block: Block, request: Request) -> Pending:
+        """Starts on a block."""
 
 
 class _Threads:
     def __init__(self, pool: ThreadPoolExecutor, count: int) -> None:
         self.count = count
+        self.stopped = Event()
         self._pool = pool
 
-    def submit(self, block: Block, request: Request) -> Any:
-        return self._pool.submit(energies_of_block, block, request)
+    def submit(self, block: Block, request: Request) -> Pending:
+        return self._pool.submit(energies_of_block, block, request, self.stopped.is_set)
 
 
 class _Cluster:
-    def __init__(self, client: Any) -> None:
+    def __init__(self, client: Any, address: str) -> None:
         self.count = max(1, sum(client.nthreads().values()))
-        self._client = client
+        self._client, self._address = client, address
 
-    def submit(self, block: Block, request: Request) -> Any:
-        return self._client.submit(energies_of_block, block, request, pure=False)
+    def submit(self, block: Block, request: Request) -> Pending:
+        there = replace(block, path=block.path.absolute())
+        return _Remote(self._client, self._address, self._client.submit(_on_worker, there, request, pure=False))
+
+
+class _Remote:
+    """A block in the hands of a cluster."""
+
+    def __init__(self, client: Any, address: str, future: Any) -> None:
+        self._client, self._address, self._future = client, address, future
+
+    def result(self) -> Part:
+        while True:
+            try:
+                part: Part = self._future.result(timeout=_PATIENCE)
+            except InputError:
+                raise
+            except Exception as error:  # noqa: BLE001  (whatever went wrong on another machine)
+                if not isinstance(error, TimeoutError) or self._future.done():
+                    message = f"the Dask cluster at {self._address} failed: {_one_line(error)}"
+                    raise InputError(message) from None
+                _check_workers(self._client, f"the Dask scheduler at {self._address} lost all its workers, whose logs may say why")
+            else:
+                return part
+
+    def cancel(self) -> None:
+        self._future.release()
+
+
+def _on_worker(block: Block, request: Request) -> Part:
+    if not block.path.exists():
+        message = f"the Dask worker on {socket.gethostname()} has no such file: workers must see files under the same names"
+        raise InputError(message, Place(block.path))
+    return energies_of_block(block, request)
 
 
 @contextmanager
 def threads(count: int) -> Iterator[Workers]:
-    """`count` threads of this process; the parser runs outside of Python's lock."""
+    """`count` threads of this process; the parser runs outside of Python's lock. At the end those that still work are stopped."""
     pool = ThreadPoolExecutor(count)
+    workers = _Threads(pool, count)
     try:
-        yield _Threads(pool, count)
+        yield workers
     finally:
+        workers.stopped.set()
         pool.shutdown(cancel_futures=True)
 
 
 @contextmanager
 def cluster(address: str) -> Iterator[Workers]:
-    """The workers of the Dask scheduler at `address`; they must see the files under the same names.
+    """The workers of the Dask scheduler at `address`; they must see the files under the same names, and have demverify, as must the scheduler.
 
-    Raises InputError when dask is not installed or nobody answers.
+    Raises InputError when Dask is not installed, nobody answers, or there are no workers; also later, when these are lost.
     """
+    with _silent():
+        client = _connected(address)
+        try:
+            _check_workers(client, f"the Dask scheduler at {address} has no workers")
+            yield _Cluster(client, address)
+        finally:
+            with suppress(OSError):  # it has gone
+                client.close(timeout=_PATIENCE)
+
+
+@contextmanager
+def _silent() -> Iterator[None]:
+    """Dask logs every lost connection; what matters of it is told as an InputError."""
+    before = logging.root.manager.disable
+    logging.disable()
+    try:
+        yield
+    finally:
+        logging.disable(before)
+
+
+def _connected(address: str) -> Any:
     try:
         from distributed import Client
     except ImportError:
         message = "--scheduler needs Dask: pip install 'demverify[dask]'"
         raise InputError(message) from None
     try:
-        client: Any = Client(address, timeout=5)  # type: ignore[no-untyped-call]
-    except (OSError, ValueError) as error:
-        message = f"no Dask scheduler at {address}: {error}"
+        kind = asyncio.run(_kind_of_server(address))
+        if kind == "Scheduler":
+            return Client(address, timeout=_PATIENCE, set_as_default=False)  # type: ignore[no-untyped-call]
+        why = f"it is a {kind}"
+    except TimeoutError:
+        why = f"no answer in {_PATIENCE:g} s"
+    except Exception as error:  # noqa: BLE001  (whatever another kind of server makes of it)
+        why = _one_line(error)
+    message = f"no Dask scheduler at {address or repr(address)}: {why}"
+    raise InputError(message)
+
+
+async def _kind_of_server(address: str) -> str:
+    """Scheduler or Worker. What does not speak Dask's language would have a client wait without end, or leave one that cannot be closed."""
+    from distributed import Security, rpc
+
+    security: Any = Security()  # type: ignore[no-untyped-call]
+    keys = security.get_connection_args("client")  # for tls://, from Dask's configuration
+    async with asyncio.timeout(_PATIENCE), rpc(address, timeout=_PATIENCE, connection_args=keys) as server:  # type: ignore[no-untyped-call]
+        return str((await server.identity())["type"])
+
+
+def _check_workers(client: Any, message: str) -> None:
+    """Raises InputError with the message when the cluster has no workers for some time."""
+    try:
+        client.wait_for_workers(1, timeout=_PATIENCE)
+    except OSError:  # a TimeoutError, or the scheduler has gone
         raise InputError(message) from None
-    with client:
-        yield _Cluster(client)
+
+
+def _one_line(error: Exception) -> str:
+    return f"{type(error).__name__}: {' '.join(str(error).split())}"
 
 
 def parts_in_parallel(
     blocks: Iterable[Block], request: Request, workers: Workers, done: Callable[[Block], object] = lambda block: None
 ) -> Iterator[Part]:
-    """The parts of the blocks, in order. done: told of each block that is finished."""
-    waiting: deque[tuple[Block, Any]] = deque()
-    for block in blocks:
-        waiting.append((block, workers.submit(block, request)))
-        if len(waiting) >= _AHEAD * workers.count:
+    """The parts of the blocks, in order. done: told of each block that is finished.
+
+    At most two blocks a worker are under way or wait to be taken; when the caller stops early, they are cancelled.
+    """
+    waiting: deque[tuple[Block, Pending]] = deque()
+    try:
+        for block in blocks:
+            waiting.append((block, workers.submit(block, request)))
+            if len(waiting) >= _AHEAD * workers.count:
+                yield _next(waiting, done)
+        while waiting:
             yield _next(waiting, done)
-    while waiting:
-        yield _next(waiting, done)
+    finally:
+        for _, pending in waiting:
+            pending.cancel()
 
 
-def _next(waiting: deque[tuple[Block, Any]], done: Callable[[Block], object]) -> Part:
-    block, future = waiting.popleft()
-    part: Part = future.result()
+def _next(waiting: deque[tuple[Block, Pending]], done: Callable[[Block], object]) -> Part:
+    block, pending = waiting[0]
+    part = pending.result()
+    waiting.popleft()
     done(block)
     return part

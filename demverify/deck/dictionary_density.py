@@ -103,8 +103,9 @@ class Densities:
         return chosen
 
     def group(self, name: str, choice: Choice) -> None:
-        """Adds a choice to a group. It holds for the lots that are there now."""
-        chosen = dict(self._groups[name][0]) if name in self._groups else {}
+        """Adds a choice to a group. It holds for the lots that are there now; of those that came meanwhile, some may belong to it."""
+        old, known = self._groups.get(name, ({}, set(self._lots)))
+        chosen = {lot: old.get(lot, False) for lot in self._lots if lot in old or lot not in known}
         for lot, whole in choice:
             chosen[lot] = whole or chosen.get(lot, False)
         self._groups[name] = chosen, set(self._lots)

@@ -19,7 +19,7 @@ from demverify.formats import dump_bare, dump_binary, dump_text, dump_vtk, dump_
 from demverify.formats.atomic import atomic_write
 from demverify.formats.dump_binary import binary_frame
 from demverify.formats.dump_text_writer import text_frame
-from demverify.formats.reading import AS_WRITTEN, Block, Reading, opened
+from demverify.formats.reading import AS_WRITTEN, Block, Reading, opened, whole_frames
 from demverify.frames import Frame
 
 _READERS = (dump_text, dump_yaml, dump_vtk, dump_vtp, h5md, dump_binary, dump_bare)
@@ -57,7 +57,11 @@ def split(path: Path, size: int) -> list[Block]:
 
 def read_block(block: Block, reading: Reading) -> Iterator[Frame]:
     """The frames of one block. Raises InputError for a file that is no dump."""
-    return cast("Iterator[Frame]", reader_of(block.path).read(block, reading))
+    return whole_frames(_read_block(block, reading), reading)
+
+
+def _read_block(block: Block, reading: Reading) -> Iterator[Frame]:
+    yield from reader_of(block.path).read(block, reading)
 
 
 def reader_of(path: Path) -> ModuleType:

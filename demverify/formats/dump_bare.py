@@ -54,12 +54,8 @@ def _read_frames(path: Path, reading: Reading) -> Iterator[Frame]:
         message = "a dump without header: name its columns with --columns, in the order of the dump command"
         raise InputError(message, place)
     picked = pick(reading.columns, reading, place)
-    if picked.ids is None:
-        message = f"expected an id among the columns of a dump without header, got: {' '.join(reading.columns)}"
-        raise InputError(message, place)
     with opened(path) as stream:
-        rows = _Rows(Text(path, stream), reading.columns, picked)
-        yield from _frames(rows, picked, picked.ids, path)
+        yield from _frames(_Rows(Text(path, stream), reading.columns, picked), picked, path)
 
 
 class _Rows:
@@ -91,20 +87,23 @@ class _Rows:
         self._start += taken.shape[1]
         return taken
 
-    def check_end(self, left: int, n: int) -> None:
-        """Raises HalfWrittenError where less than a frame of n rows is left, or half a row."""
-        if self._text.line() or left:
-            message = f"the file ends inside a frame: {left} of {n or 'unknown'} rows"
+    def check_end(self) -> None:
+        """Raises HalfWrittenError where the file ends inside a row."""
+        if self._text.line():
+            message = "the file ends inside a row"
             raise HalfWrittenError(message, self._text.place())
 
 
-def _frames(rows: _Rows, picked: Picked, ids: int, path: Path) -> Iterator[Frame]:
-    from demverify.formats.sorting import sort_by_id
-
+def _frames(rows: _Rows, picked: Picked, path: Path) -> Iterator[Frame]:
+    ids = picked.ids
+    assert ids is not None
     while rows.more() and not (rows.held[ids, 1:] == rows.held[ids, 0]).any():
         pass
     n = _first_repeat(rows.held[ids])
-    steps: Iterator[int] = count() if n < rows.held.shape[1] else repeat(_step_of(path))
+    steps: Iterator[int] = count()
+    if n == rows.held.shape[1]:
+        rows.check_end()  # half of the only frame would look like a whole one
+        steps = repeat(_step_of(path))
     same: Floats | None = None
     end = 0
     while (table := rows.take(n)).shape[1] == n > 0:
@@ -115,10 +114,11 @@ def _frames(rows: _Rows, picked: Picked, ids: int, path: Path) -> Iterator[Frame
             message = f"rows {end - n + 1} to {end} do not hold the ids of the first {n} rows: where a frame ends cannot be told"
             raise InputError(message, place)
         same = ids_here
-        sort_by_id(table, ids, place)
-        columns = {name: column for name, column in zip(picked.names, table, strict=True) if name is not None}
-        yield Frame(next(steps), _BOX, _BOUNDARY, columns)
-    rows.check_end(table.shape[1], n)
+        yield Frame(next(steps), _BOX, _BOUNDARY, picked.columns(table, place))
+    rows.check_end()
+    if left := table.shape[1]:
+        message = f"the file ends inside a frame: {left} of {n} rows"
+        raise HalfWrittenError(message, Place(path, end + left))
 
 
 def _first_repeat(ids: Floats) -> int:

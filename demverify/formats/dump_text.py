@@ -117,21 +117,13 @@ def _in_whole_file(error: InputError, path: Path, start: int) -> InputError:
 
 
 def _read_frame(text: Text, header: Header, units: str | None, reading: Reading) -> Frame:
-    from demverify.formats.sorting import sort_by_id
-
     picked = pick(header.names, reading, text.place(), local=header.local)
-    if picked.ids is None and not header.local:
-        message = f"expected distinct columns with an id among them, got: {' '.join(header.names)}"
-        raise InputError(message, text.place())
     table = _table(len(picked.at), header.n, text.place())
     rows = text.rows(table, 0, header.names, picked)
     if rows < header.n:
         message = f"the file ends inside a frame: {rows} of {header.n} rows of step {header.step}"
         raise HalfWrittenError(message, text.place())
-    if picked.ids is not None:
-        sort_by_id(table, picked.ids, text.place())
-    columns = {name: column for name, column in zip(picked.names, table, strict=True) if name is not None}
-    box = header.box
+    columns, box = picked.columns(table, text.place()), header.box
     return Frame(header.step, box.bounds, box.flags, columns, box.cell, header.time, units, header.dialect, header.local)
 
 

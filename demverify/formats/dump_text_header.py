@@ -146,8 +146,8 @@ def _read_box(words: list[str], text: Text) -> Box:
     if kind not in _NUMBERS or len(flags) != 3 or any(len(flag) != 2 or set(flag) - set("pfsm") for flag in flags):
         message = f"expected three boundary flags such as 'pp ff fs', 'xy xz yz' or 'abc origin' before them or nothing, got {' '.join(words)!r}"
         raise InputError(message, text.place())
-    lines = [_box_row(_NUMBERS[kind], text) for _ in range(3)]
-    numbers = np.array([[_finite(word, _BOX, text) for word in line] for line in lines])
+    exact, rows = zip(*(_box_row(_NUMBERS[kind], text) for _ in range(3)), strict=True)
+    numbers = np.array(rows)
     bounds, place, cell = numbers[:, :2], text.place(), None
     if kind == "abc origin":
         bounds, cell = general(numbers[:, :3], numbers[:, 3], place)
@@ -155,13 +155,13 @@ def _read_box(words: list[str], text: Text) -> Box:
         bounds, cell = tilted(bounds, numbers[:, 2], place)
     else:
         bounds = orthogonal(bounds, place)
-    exact = all(_BOUND_OF_LAMMPS.fullmatch(word) for line in lines for word in line)
-    return Box(bounds, cell, (flags[0], flags[1], flags[2]), exact)
+    return Box(bounds, cell, (flags[0], flags[1], flags[2]), all(exact))
 
 
-def _box_row(n: int, text: Text) -> list[bytes]:
+def _box_row(n: int, text: Text) -> tuple[bool, list[float]]:
+    """Whether it is written as LAMMPS does, and its n numbers."""
     words = _whole_line(text).split()
     if len(words) != n:
         message = f"expected {n} numbers in a row of {_BOX}, got {shown(b' '.join(words))!r}"
         raise InputError(message, text.place())
-    return words
+    return all(map(_BOUND_OF_LAMMPS.fullmatch, words)), [_finite(word, _BOX, text) for word in words]

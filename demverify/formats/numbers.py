@@ -33,8 +33,9 @@ _ZEROS = _U(0x3030303030303030)
 _TOPS = _U(0x8080808080808080)
 _ABOVE_NINE = _U(0x7676767676767676)  # added to a byte, sets its top bit when the byte is above 9
 _TOP = _U(1 << 63)
-_NONE = _U(2**64 - 1)  # no number: more than 19 digits have
+_NONE = _U(2**64 - 1)  # no number of 19 digits
 _NO_POWER = 1 << 40
+_NAN, _INF = (_U(int.from_bytes(word, "little")) for word in (b"nan", b"inf"))
 
 
 def _powers_of_ten() -> tuple[NDArray[np.uint64], NDArray[np.uint64]]:
@@ -179,28 +180,34 @@ def _number(word):
 
 @njit(error_model="numpy")
 def _significand(at, lead, point, end, whole, fraction):
-    """The digits from `lead` to `end` behind an address, but for the point, as a number; _NONE for other letters or above 19 digits."""
+    """The digits from `lead` to `end` behind an address, but for the point, as a number, and how many beyond 19 are cut off.
+
+    _NONE where there are other letters.
+    """
     if whole <= _U(8) < fraction <= _U(24):
         n = min(fraction, _U(16)) - _U(8)
         rest = fraction - _U(8) - n
         start = at + point + _U(1)
         a, b = _digits(at + lead, whole), _digits(start, _U(8))
         c, d = _digits(start + _U(8), n), _digits(start + _U(8) + n, rest)
+        if _no_digits(a) | _no_digits(b) | _no_digits(c) | _no_digits(d):
+            return _NONE, 0
         zeros = _first_bit(b | _TOP) >> _U(3)
-        significant = fraction - zeros if a == 0 else whole + fraction
-        if _no_digits(a) | _no_digits(b) | _no_digits(c) | _no_digits(d) or significant > _U(19):
-            return _NONE
-        number = _number(a) * _WHOLE[8] + _number(b)
-        return (number * _WHOLE[n] + _number(c)) * _WHOLE[rest] + _number(d)
-    number, significant = _U(0), _U(0)
+        if (fraction - zeros if a == 0 else whole + fraction) <= _U(19):
+            number = _number(a) * _WHOLE[8] + _number(b)
+            return (number * _WHOLE[n] + _number(c)) * _WHOLE[rest] + _number(d), 0
+    number, significant, dropped = _U(0), 0, 0
     for i in range(lead, end):
         if i != point:
             digit = _U(_byte(at + i)) - _U(48)
-            number = number * _U(10) + digit
-            significant += _U((number | significant) != 0)  # digits after the first that is not 0; the number may wrap to 0
-            if digit > _U(9) or significant > _U(19):
-                return _NONE
-    return number
+            if digit > _U(9):
+                return _NONE, 0
+            if significant < 19:
+                number = number * _U(10) + digit
+                significant += number != 0
+            else:
+                dropped += 1
+    return number, dropped
 
 
 @_inlined
@@ -233,8 +240,8 @@ def _rounded(w, q):
     exponent = ((q * 217706) >> 16) + 1086 + np.int64(top) - np.int64(zeros)  # 217706 / 2^16: log2(10)
     if exponent <= 0 or exponent >= 2046:
         return np.nan
-    if lower <= _U(1) and -4 <= q <= 23 and kept & _U(3) == _U(1) and kept << (top + _U(9)) == upper:
-        kept -= _U(1)  # half way between two doubles: down to the even one
+    if lower == _U(0) and -4 <= q <= 23 and kept & _U(3) == _U(1) and kept << (top + _U(9)) == upper:
+        kept -= _U(1)  # half way between two doubles, which only these powers allow: down to the even one
     kept = (kept + (kept & _U(1))) >> _U(1)
     return _double((_U(exponent - 1) << _U(52)) + kept)  # the leading bit, or a carry beyond it, adds to the exponent
 
@@ -249,6 +256,7 @@ def _value(at, end, exponents, points):
     point = _first_bit(points | exponents | stop)
     whole = point - lead
     fraction = exponent - point - _U(point < exponent)
+    dropped = 0
     if whole + fraction == _U(0):
         return np.nan
     if whole <= _U(8) and fraction <= _U(8):
@@ -262,10 +270,10 @@ def _value(at, end, exponents, points):
         if wrong:
             return np.nan
     else:
-        w = _significand(at, lead, point, exponent, whole, fraction)
+        w, dropped = _significand(at, lead, point, exponent, whole, fraction)
         if w == _NONE:
             return np.nan
-    q = -np.int64(fraction)
+    q = dropped - np.int64(fraction)
     if exponent != end:
         power = _power(at + exponent, end - exponent)
         if power == _NO_POWER:
@@ -276,7 +284,19 @@ def _value(at, end, exponents, points):
         number = number / _EXACT[-q] if q <= 0 else number * _EXACT[q]
     else:
         number = _rounded(w, q) if w else 0.0
+        if dropped and number != _rounded(w + _U(1), q):  # the digits that were cut off decide
+            return np.nan
     return _signed(number, _U(first == 45))
+
+
+@_inlined
+def _without_digits(at, end):
+    """Whether the word of `end` bytes at an address is nan or inf, and then the number."""
+    first = _byte(at)
+    lead = _U(first == 45) | _U(first == 43)
+    letters = (_eight_bytes(at + lead) | _U(0x202020)) & _U(0xFFFFFF)  # small letters
+    number = np.inf if letters == _INF else np.nan
+    return end - lead == _U(3) and letters in (_INF, _NAN), _signed(number, _U(first == 45))
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -307,7 +327,10 @@ def parse_rows(data, at, stop, slots, table, row, rows, odd):
             slot = slots[column]
             if slot >= 0:
                 number = _value(memory + at, length, exponents, points) if blanks else np.nan
-                if np.isnan(number):
+                known = not np.isnan(number)
+                if not known:
+                    known, number = _without_digits(memory + at, length)
+                if not known:
                     if n_odd == len(odd):
                         return start, row, n_odd, FULL
                     odd[n_odd, 0], odd[n_odd, 1], odd[n_odd, 2], odd[n_odd, 3] = row, slot, at, length

@@ -10,6 +10,7 @@ import numpy as np
 
 from demverify.errors import InputError, Place
 from demverify.formats.numbers import ODD_ROW, PADDING, parse_rows
+from demverify.formats.reading import HalfWrittenError
 from demverify.formats.rows import Picked
 from demverify.formats.words import is_number, number, shown
 from demverify.frames import Floats
@@ -29,6 +30,7 @@ class Text:
         self._bytes = np.frombuffer(self._buffer, np.uint8)
         self._origin, self._at, self._end = start, 0, 0  # what is held starts at byte _origin of the file; at and end count from there
         self._lines = 0
+        self._early: HalfWrittenError | None = None
 
     @property
     def position(self) -> int:
@@ -40,12 +42,17 @@ class Text:
         return Place(self.path, self._lines - back)
 
     def line(self) -> bytes:
-        """The next line with its newline; without one at the end of a file that stops inside a line, empty at its end."""
+        """The next line with its newline; without one at the end of a file that stops inside a line, empty at its end.
+
+        Raises HalfWrittenError at the end of a packed file that ends early.
+        """
         while (newline := self._buffer.find(b"\n", self._at, self._end)) < 0:
             if not self._fill():
                 newline = self._end - 1
                 break
         line = bytes(self._buffer[self._at : newline + 1])
+        if self._early and not line:
+            raise self._early
         self._at = newline + 1
         self._lines += bool(line)
         return line
@@ -84,7 +91,10 @@ class Text:
             raise InputError(message, self.place(-1))
         self._bytes[:left] = self._bytes[self._at : self._end]
         self._origin, self._at, self._end = self.position, 0, left
-        self._end += self._stream.readinto1(memoryview(self._buffer)[left:_ROOM])
+        try:
+            self._end += self._stream.readinto1(memoryview(self._buffer)[left:_ROOM])
+        except HalfWrittenError as error:
+            self._early = error
         return self._end > left
 
     def _bad_row(self, at: int, ahead: int, found: Sequence[str], picked: Picked) -> InputError:

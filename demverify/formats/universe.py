@@ -45,6 +45,12 @@ def frame_of(universe: Universe) -> Frame:
     return Frame(step, box, UNKNOWN_BOUNDARY, {name: values[order] for name, values in columns.items()}, cell, time)
 
 
+def hides_columns(universe: Universe) -> bool:
+    """True for a LAMMPS dump that was opened without `additional_columns`."""
+    trajectory = universe.trajectory
+    return bool(trajectory.format == _DUMP and not any(_has_a_row_each(values, trajectory.n_atoms) for values in trajectory.ts.data.values()))
+
+
 def _has_a_row_each(values: object, n: int) -> bool:
     return isinstance(values, np.ndarray) and values.shape == (n,) and values.dtype.kind in "iufb"
 

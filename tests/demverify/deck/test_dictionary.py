@@ -81,7 +81,7 @@ def test_what_is_undone_keeps_its_meaning(told) -> None:
 
 def test_a_compute_with_two_meanings_has_none(told) -> None:
     """Law: a name that was defined in two ways does not say what a column is, also where one of the ways is not understood."""
-    for second in ("property/atom omegay", "ke/atom", "property/atom omegax radius"):
+    for second in ("property/atom omegay", "ke/atom", "property/atom omegax radius", "property/atom ${what}", "${style} omegax"):
         found = told(f"compute 1 all property/atom omegax\nuncompute 1\ncompute 1 all {second}\n")
         assert not found.meanings.names
         assert any("c_1 is defined in several ways" in note for note in found.passed_over)
@@ -145,9 +145,10 @@ def test_a_part_of_a_file_name_may_be_unknown(told) -> None:
 
 def test_a_wildcard_of_unknown_length_is_noted(told) -> None:
     """Law: the columns of a dump are never guessed."""
-    found = told("compute p all pair/local dist\ndump 1 all local 1 a c_p[*]\n")
-    assert not found.meanings.dumps
-    assert "in.lammps:2: dump has the column c_p[*], and how many it stands for is not known" in found.passed_over[0]
+    for compute in ("pair/local dist", "property/atom mass"):
+        found = told(f"compute p all {compute}\ndump 1 all local 1 a c_p[*]\n")
+        assert not found.meanings.dumps
+        assert "in.lammps:2: dump has the column c_p[*], and how many it stands for is not known" in found.passed_over[0]
 
 
 # ---- settings ----------------------------------------------------------------------------------------------------------------------
@@ -205,19 +206,24 @@ def test_includes_are_followed(told) -> None:
 
 
 @pytest.mark.parametrize(
-    "text",
+    ("text", "note"),
     [
-        "units si\ninclude in.lammps\ninclude in.lammps\n",
-        "units si\nlabel a\njump SELF a\n",
-        "units si\njump in.lammps\n",
-        "units si\njump b.inc\n",
-        'units si\nvariable a string \'if "1" then "${a}"\'\nif "1" then "${a}"\n',
-        "units si\nvariable a string xx\n" + "variable a string ${a}${a}\n" * 60,
+        ("units si\ninclude in.lammps\ninclude in.lammps\n", "include leads to in.lammps more than 16 deep or 100 times"),
+        ("units si\n" + "include b.inc\n" * 101, "in.lammps:102: include leads to b.inc more than 16 deep or 100 times"),
+        ("units si\nlabel a\njump SELF a\n", ""),
+        ("units si\njump in.lammps\n", ""),
+        ("units si\njump b.inc\n", ""),
+        ('units si\nvariable a string \'if "1" then "${a}"\'\nif "1" then "${a}"\n', "in.lammps:3: the deck goes on after 100000 commands"),
+        ("units si\nvariable a string xx\n" + "variable a string ${a}${a}\n" * 60 + "timestep $a\n", "variable a, set in in.lammps:62, is not known"),
+        ('units si\nvariable q string "\'"\nprint $q\n', "in.lammps:3: unbalanced quotes"),
     ],
 )
-def test_circles_end(told, text: str) -> None:
-    """Law: what an engine would go round for ever is read once."""
-    assert told(text, b__inc="jump in.lammps\n").meanings.units == "si"
+def test_circles_end(told, text: str, note: str) -> None:
+    """Law: what an engine would go round for ever is read once, or as often as is sensible; a note says where reading stopped."""
+    found = told(text, b__inc="jump in.lammps\n")
+    assert found.meanings.units == "si"
+    others = [other for other in found.passed_over if "the time step is not known" not in other]
+    assert any(note in other for other in others) == bool(note)
 
 
 def test_a_loop_is_read_once_and_its_variable_is_not_known(told) -> None:
@@ -230,12 +236,27 @@ def test_a_loop_is_read_once_and_its_variable_is_not_known(told) -> None:
     assert told(text, variables={"k": ["2e-5"]}).meanings.timestep == 2e-5
 
 
+def test_variables(told) -> None:
+    """Law: strings take what they name when they are set, the first index wins, and what is set on an unknown condition is not known."""
+    assert told("variable a string si\nvariable b string '$a'\nvariable a string cgs\nunits $b\n").meanings.units == "si"
+    assert told("variable a index si cgs\nvariable a index micro\nunits $a\n").meanings.units == "si"
+    assert told("variable a string si\nif '$q' then 'variable a string cgs'\nunits $a\n").meanings.units is None
+    assert told("variable a string si\nvariable a string s${q}\nunits $a\n").meanings.units is None
+    assert told("variable a string s${q}\nvariable a string si\nunits $a\n").meanings.units == "si"
+    assert told("variable a getenv UNITS\nunits $a\n").meanings.units is None
+    assert told("variable a index ${q}\nvariable a index si\nunits $a\n").meanings.units is None
+    assert told("variable a string 'units si'\n$a\n").meanings.units == "si"
+
+
 def test_jumps_forward_skip(told) -> None:
     """Law: what a jump leaves out is not read, but the jump that closes a loop is not taken."""
     assert told("units si\njump SELF on\nunits cgs\nlabel on\n").meanings.units == "si"
     assert told("units si\nvariable i loop 3\nlabel l\nnext i\njump SELF end\nunits cgs\nlabel end\n").meanings.units == "cgs"
     assert told("units si\njump b.inc\nunits cgs\n", b__inc="dimension 2\n").meanings.units == "si"
+    assert told("units si\nvariable i loop 3\nnext i\njump b.inc\nunits cgs\n", b__inc="dimension 2\n").meanings.units == "cgs"
+    assert told("units si\nif '$a' then 'jump b.inc'\nunits cgs\n", b__inc="dimension 2\n").meanings.units == "cgs"
     assert told("units si\nquit\nunits cgs\n").meanings.units == "si"
+    assert told("units si\nif '$a' then quit\nunits cgs\n").meanings.units == "cgs"
 
 
 @pytest.mark.parametrize(
@@ -272,6 +293,12 @@ def test_clear_starts_anew(told) -> None:
     assert (both.meanings.units, both.meanings.timestep, dict(both.meanings.names)) == ("si", None, {})
     assert any("timestep is not the same in the simulations" in note for note in both.passed_over)
     assert any("column c_1 means other things" in note for note in both.passed_over)
+    same = told(f"{first}{dump}{run}clear\ndimension 2\n{first}fix 1 all multisphere\n{dump}{run}")
+    assert (same.meanings.timestep, dict(same.meanings.names), same.meanings.rigid) == (1e-5, {"c_1": "mass"}, None)
+    assert len(same.meanings.dumps) == 2
+    assert sum(what in note for note in same.passed_over for what in ("dimension is not the same", "rigid is not the same")) == 2
+    twice = told(f"{first}dimension 2\nfix 1 all multisphere\n{dump}{run}clear\n{first}dimension 2\nfix 1 all multisphere\n{dump}{run}")
+    assert (twice.meanings.dimension, twice.meanings.rigid, twice.passed_over) == (2, "multisphere", [])
 
 
 def test_other_partitions_are_uncertain(told) -> None:

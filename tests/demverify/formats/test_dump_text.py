@@ -94,10 +94,8 @@ def test_local_rows() -> None:
     """Law: `dump local` gives its rows in the order of the file, without ids; forces on pairs are as the particles' own dump has them."""
     local, particles = (list(read_dump(DATA / "liggghts" / name)) for name in ("d.local", "d.txt"))
     assert [(f.step, f.n, f.local, f.dialect) for f in local] == [(step, 2, True, "liggghts") for step in (0, 10, 20)]
-    for pairs, frame_ in zip(local, particles, strict=True):
-        first = [pairs.columns[f"c_pg[{i}]"][0] for i in (7, 8, 10)]  # ids, and the force on the first along x
-        assert first[:2] == [1, 2]
-        assert abs(frame_.columns["fx"][0] - first[2]) <= 1e-5 * abs(first[2])
+    assert [[f.columns[f"c_pg[{i}]"].tolist() for i in (7, 8)] for f in local] == [[[1, 2], [2, 3]]] * 3
+    assert particles[0].columns["fx"][2] == -local[0].columns["c_pg[10]"][1]  # particle 3 has one contact
 
 
 def test_a_label_of_its_own(tmp_path: Path) -> None:
@@ -239,22 +237,25 @@ def test_what_is_not_there_is_refused(tmp_path: Path) -> None:
         list(dump_text.read(Block(tmp_path / "missing.txt"), AS_WRITTEN))
 
 
-@pytest.mark.parametrize("name", ["lammps/triclinic.txt", "lammps/units.txt", "liggghts/d.local"])
+def all_of(one: Frame) -> tuple[object, ...]:
+    """All that a frame says, to compare."""
+    return one.step, one.time, one.units, one.box.tobytes(), [(name, values.tobytes()) for name, values in one.columns.items()]
+
+
+@pytest.mark.parametrize("name", ["lammps/units.txt", "liggghts/d.txt", "liggghts/d.local"])
 def test_cut_at_every_byte(tmp_path: Path, name: str) -> None:
     """Law: of a file that ends anywhere the whole frames come as they are, and half a frame is told, unless it ends between frames."""
     content = (DATA / name).read_bytes()
-    whole = list(dump_text.read(Block(DATA / name), AS_WRITTEN))
+    whole = [all_of(one) for one in dump_text.read(Block(DATA / name), AS_WRITTEN)]
     path, told = tmp_path / "d.txt", [InputError("")]
     starts = [found.start() for found in re.finditer(rb"ITEM: (UNITS|TIME\n(?!.*\nITEM: UNITS)|TIMESTEP)", content)]
     ends = {0, len(content)} | {at for at in starts if dump_text_header.starts_frame(content[:at])}
     for cut in range(len(content) + 1):
         path.write_bytes(content[:cut])
         told.clear()
-        got = list(dump_text.read(Block(path), Reading(half_written=told.append)))
+        got = [all_of(one) for one in dump_text.read(Block(path), Reading(half_written=told.append))]
         assert (not told) == (cut in ends), cut
-        assert len(got) == sum(end <= cut for end in ends) - 1
-        for frame_, expected in zip(got, whole, strict=False):
-            assert_same(frame_, expected)
+        assert got == whole[: sum(end <= cut for end in ends) - 1]
 
 
 @given(data=st.data())
@@ -276,10 +277,11 @@ def test_one_byte_changed(tmp_path: Path, data: st.DataObject) -> None:
 
 
 def test_a_large_frame_is_read_fast(tmp_path: Path) -> None:
-    """Law: a hundred thousand rows of ten columns take well under a second (measured: 0.25 s)."""
+    """Law: a hundred thousand rows of ten columns take well under a second (measured, once compiled: 0.03 s)."""
     names = ("id", "type", "x", "y", "z", "vx", "vy", "vz", "fx", "fy")
+    read(tmp_path, GOOD)
     (tmp_path / "big.txt").write_bytes(text_frame(frame(100_000, names=names), names, "lammps"))
     start = time.process_time()
     (got,) = dump_text.read(Block(tmp_path / "big.txt"), AS_WRITTEN)
-    assert time.process_time() - start < 1.0
+    assert time.process_time() - start < 0.3
     assert got.n == 100_000

@@ -60,7 +60,8 @@ def test_what_is_printed_is_read_as_float_reads_it(values: list[tuple[float, str
 
 
 @given(st.lists(st.from_regex(r"[+-]?([0-9]{1,25}\.?[0-9]{0,25}|\.[0-9]{1,30})([eE][+-]?[0-9]{1,4})?", fullmatch=True), max_size=40))
-@example(["1E5", "+1", ".5", "5.", "-0", "-0.0", "0e999", "-.0E-999", "007", "1e+0000005"])
+@example(["1E5", "+1", ".5", "5.", "-0", "-0.0", "0e999", "-.0E-999", "007", "1e+0000005", "1e000000005", "1e-000000012"])
+@example(["nan", "-nan", "+NaN", "inf", "-Inf", "+INF", "infinity", "-Infinity"])
 @example(["1e400", "-1e400", "1e-400", "4.9e-324", "2.4703282292062328e-324", "2.2250738585072011e-308", "1.7976931348623159e308"])
 @example(["0." + "0" * 20 + "1234567890123456789", "12345678901234567890123", "9999999999999999999", "18446744073709551616"])
 @settings(max_examples=150, deadline=None)
@@ -87,19 +88,34 @@ def test_halfway_cases_go_to_the_even_double(mantissa: int, twos: int, off: int)
     assert_as_python([f"{between * 2**twos + off}".encode(), f"-{between * 5**twos + off}e-{twos}".encode()])
 
 
-@given(st.integers(0, 22), st.data())
-@settings(max_examples=200, deadline=None)
-def test_halfway_cases_with_a_power_of_ten(power: int, data: st.DataObject) -> None:
-    """Law: w 10^q with w 5^q of 54 bits and odd lies between two doubles; the compiled product must see that."""
+@given(st.integers(0, 23), st.integers(0, 62), st.data())
+@settings(max_examples=300, deadline=None)
+def test_halfway_cases_with_a_power_of_ten(power: int, twos: int, data: st.DataObject) -> None:
+    """Law: w 10^q with w 5^q of 54 bits and odd, or 2^k times that, lies between two doubles; the compiled product must see that."""
     low, high = -(-(2**53) // 5**power), (2**54 - 1) // 5**power
-    w = data.draw(st.integers(low, high)) | 1
-    assert_as_python([f"{w}e{power}".encode(), f"{w}.0e{power}".encode(), f"{w - 1}e{power}".encode(), f"{w + 1}e{power}".encode()])
+    w = (data.draw(st.integers(low, high)) | 1) << twos
+    assert_as_python([f"{word}e{power}".encode() for word in (w - 1, w, w + 1, f"{w}.0")])
 
 
-@given(any_double.filter(math.isfinite), st.integers(15, 19))
+def test_every_power_of_ten() -> None:
+    """Law: from below the smallest to above the largest double, significands of every length, zero and those around 2^53 and 2^64."""
+    whole = [0, 1, 3, 123456, 99999999, 2**53 - 1, 2**53, 2**53 + 1, 10**17 + 1, 10**19 - 1, 2**63, 2**64 - 1, 2**64, 2**64 + 1, 10**22]
+    assert_as_python([f"{w}e{q}".encode() for q in range(-370, 330) for w in whole])
+
+
+def test_every_length_of_a_fraction() -> None:
+    """Law: zeros and then digits behind the point, of any number, with any number of digits before it; so are leading zeros."""
+    digits = "7315926480" * 3
+    assert_as_python(
+        [f"{digits[:n]}.{'0' * zeros}{digits[n : n + m]}".encode() for n in range(12) for zeros in range(12) for m in range(n == 0, 24)]
+    )
+    assert_as_python([f"{'0' * zeros}{digits[:n]}.{digits[:m]}".encode() for zeros in range(24) for n in range(1, 22) for m in (0, 3, 12)])
+
+
+@given(any_double.filter(math.isfinite), st.integers(15, 25))
 @settings(max_examples=150, deadline=None)
 def test_the_middle_between_two_doubles_cut_short(value: float, digits: int) -> None:
-    """Law: the first 15 to 19 digits of the exact middle of two doubles, and their neighbours, are rounded as float() rounds them."""
+    """Law: the first 15 to 25 digits of the exact middle of two doubles, and their neighbours, are rounded as float() rounds them."""
     following = math.nextafter(value, math.inf)
     assume(math.isfinite(following))
     middle = (Decimal(value) + Decimal(following)) / 2
@@ -123,12 +139,13 @@ def test_powers_of_ten_are_the_nearest_below_or_above() -> None:
 
 
 NO_NUMBERS = """\
-- + . -. e e5 .e5 1e 1e+ 1e- 1.5e 0e -0e+ 0e- --1 +-1 1- 1..2 1.2.3 1e5e5 1e5.0 0.0e0e 0x10 1_0 1e5_0 1,5 1d5 1f nanx in **** id 1:2 / 1/2 9: 1e:
+nanx in na nann nan. -na --nan infi inf1 infinit n i
+- + . -. e e5 .e5 1e 1e+ 1e- 1.5e 0e -0e+ 0e- --1 +-1 1- 1..2 1.2.3 1e5e5 1e5.0 0.0e0e 0x10 1_0 1e5_0 1,5 1d5 1f **** id 1:2 / 1/2 9: 1e:
 1234567: 12345678a 1234567890123456a 0.12345678901234567x 1.2345678901234567e+x ٣ 1\x00 \x001 0\x7f
 """
 
 
-@pytest.mark.parametrize("word", ["", *NO_NUMBERS.split(), "x" * 50, "1" * 50 + "x"])
+@pytest.mark.parametrize("word", ["", *NO_NUMBERS.split(), "1\x0e", "\x081", "1\x1c", "1\x1f2", "\x85", "x" * 50, "1" * 50 + "x"])
 def test_what_is_no_number_is_refused(word: str) -> None:
     """Law: a word that float() does not take is named with its line and column; none becomes a number."""
     with pytest.raises(InputError, match=r"^d\.txt:2: (column b expects a number|expected 3 columns)"):
@@ -209,7 +226,7 @@ def test_a_line_without_end_is_refused() -> None:
 
 def test_many_odd_words_are_all_decided() -> None:
     """Law: more words than are noted at a time, left to Python each, all come out right, those of other columns too."""
-    words = [b"nan", b"0.12345678901234567890123", b"-inf", b"1e-320"] * 1000
+    words = [b"infinity", b"0.12345678901234567890123", b"-1e-320", b"1" * 40] * 1000
     table = parsed(b"".join(b"%d %s %s\n" % (i, word, word) for i, word in enumerate(words)), ["a", "b", "c"])
     np.testing.assert_array_equal(table[0], np.arange(len(words)))
     assert bits(table[1]) == bits(table[2]) == bits([float(word) for word in words])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -122,3 +123,62 @@ def test_members_are_dumped_with_the_mass_of_their_clump(clump: Clump) -> None:
     """Law: the masses of a dump add up to the mass of the system. Here every sphere of a clump carries the mass of the whole."""
     masses = clump.run.frames[0].columns["mass"]
     assert_deviates("liggghts-multisphere-dump-mass", masses.sum() / clump.mass, engine_rule=3.0, law=1.0, rtol=1e-5)
+
+
+def run_around(folder: Path, before: str = "", after: str = "", columns: str = "", *, may_fail: bool = False) -> EngineRun:
+    """The deck with lines before and behind fix multisphere, and more columns of thermo output."""
+    folder.mkdir(exist_ok=True)
+    np.savetxt(folder / "clump", SPHERES, fmt="%.17g")
+    deck = DECK.replace("fix n all multisphere", f"{before}\nfix n all multisphere\n{after}").replace("step c_em c_es", f"step c_em c_es {columns}")
+    return run_liggghts(deck.replace(f"ntry {TRIES}", "ntry 100000"), folder, may_fail=may_fail)
+
+
+def printed(run: EngineRun, name: str) -> float:
+    """The last value of a column."""
+    table = run.thermo[-1]
+    return float(table.values[-1, table.columns.index(name)])
+
+
+def test_other_integrators_move_members_once_more(tmp_path: Path) -> None:
+    """Law: the spheres of a clump keep their places in it. fix nve/sphere takes each of them dt v further, after fix multisphere has put it
+    in its place and before contacts are looked for; v is that of the next step, which turns by 1e-4 rad. Tolerance: that turn."""
+    dump = 'dump x all custom 1 x.dump id x y z vx vy vz\ndump_modify x format "%d %.17g %.17g %.17g %.17g %.17g %.17g"'
+    runs = (run_around(tmp_path / name, after=line + dump) for name, line in (("one", ""), ("two", "fix s all nve/sphere\n")))
+    alone, twice = (run.frames[-1] for run in runs)
+    ahead = twice.vectors("x", "y", "z") - alone.vectors("x", "y", "z")
+    moving = 1e-5 * alone.vectors("vx", "vy", "vz")
+    assert ahead.shape == (3, 3)
+    assert_deviates("liggghts-multisphere-nve-sphere", ahead, engine_rule=moving, law=np.zeros((3, 3)), rtol=1e-4)
+
+
+def test_whole_numbers_printed_as_floats_are_other_numbers(tmp_path: Path) -> None:
+    """Law: %g prints a whole number as what it is. LIGGGHTS hands printf an int there, so that it prints the double it had before."""
+    dump = 'dump x all custom 1 x.dump id density id_multisphere mol\ndump_modify x format "%d %g {} {}"'
+    right, wrong = (run_around(tmp_path / name, after=dump.format(of, of)).frames[-1].columns for name, of in (("d", "%d"), ("g", "%.16g")))
+    for column in ("id_multisphere", "mol"):
+        assert right[column].tolist() == [1, 1, 1]
+        assert_deviates("liggghts-dump-format-integers", wrong[column], engine_rule=[DENSITY] * 3, law=right[column], rtol=1e-12)
+
+
+def test_erotate_before_fix_multisphere_leaves_clumps_out(tmp_path: Path) -> None:
+    """Law: a compute gives the same wherever it stands. compute erotate looks for fix multisphere when it is made, and never again."""
+    compute = "compute er all erotate"
+    before, behind = run_around(tmp_path / "before", compute, columns="c_er"), run_around(tmp_path / "behind", after=compute, columns="c_er")
+    assert printed(behind, "er") == printed(behind, "em") > 0
+    assert_deviates("liggghts-erotate-before-multisphere", printed(before, "er"), engine_rule=0.0, law=printed(before, "em"), rtol=1e-12)
+
+
+def test_a_second_erotate_is_refused(tmp_path: Path) -> None:
+    """Law: a deck may have a compute twice, for two groups. Each compute erotate makes children under the same names."""
+    run = run_around(tmp_path / "two", after="compute er all erotate\ncompute es2 all erotate", may_fail=True)
+    assert run.code, "register entry liggghts-second-erotate is out of date: LIGGGHTS runs the deck"
+    assert "Reuse of compute ID" in run.log
+
+
+def test_energies_of_a_group_have_all_clumps(tmp_path: Path) -> None:
+    """Law: a group without members has no energy. Computes ke, erotate and erotate/multisphere add those of all clumps to any group's."""
+    lines = "group none id 99999\ncompute kn none ke\ncompute mn none erotate/multisphere\ncompute km all ke/multisphere\ncompute en none erotate"
+    run = run_around(tmp_path / "none", after=lines, columns="c_kn c_mn c_km c_en")
+    for of_none, of_all in (("kn", "km"), ("mn", "em"), ("en", "em")):
+        scale = printed(run, of_all)
+        assert_deviates("liggghts-clumps-in-any-group", printed(run, of_none) / scale, engine_rule=1.0, law=0.0, rtol=1e-12)
