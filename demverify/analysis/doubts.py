@@ -1,4 +1,4 @@
-"""What the user's own data show to be wrong: the inertia of clumps against that of their templates."""
+"""What a user should know of the energies of a dump: what was taken for granted, and what the engine got wrong."""
 
 from __future__ import annotations
 
@@ -8,8 +8,9 @@ from functools import lru_cache
 import numpy as np
 
 from demsolver.shapes.multisphere import Template
-from demverify.analysis.clump_inertia import diagnose
-from demverify.frames import Floats
+from demverify.analysis.clump_inertia import diagnose, forecast
+from demverify.analysis.meanings import Meanings
+from demverify.frames import Floats, Frame
 
 
 def doubts(inertia: Floats, clumptype: Floats | None, templates: Sequence[Template]) -> list[str]:
@@ -25,6 +26,36 @@ def doubts(inertia: Floats, clumptype: Floats | None, templates: Sequence[Templa
         if told and None not in told:
             found.append(min(map(str, told), key=len))
     return found
+
+
+def remarks(frame: Frame, meanings: Meanings) -> list[str]:
+    """One line for each thing that a dump of particles does not tell and that was taken for granted."""
+    has, dialect = frame.columns.keys(), meanings.dialect or frame.dialect
+    shaped, both = "shapex" in has, {"omegax", "angmomx"} <= has
+    found = []
+    if dialect == "liggghts" and shaped and not both and not {"blockiness1", "roundness1"} & has:
+        found.append("no columns blockiness1 blockiness2: superquadrics are taken for ellipsoids (2 2)")
+    if dialect == "lammps" and shaped and "radius" not in has and not meanings.atom_style and (frame.columns["shapex"] == 1.0).any():
+        found.append("particles of shape 1 1 1 without a column radius are taken for points, as in atom_style ellipsoid")
+    if dialect == "liggghts" and "mass" not in has and not shaped and not meanings.atom_style and _in_a_plane(frame):
+        found.append("nothing moves along z: if the deck says dimension 2, give it with --deck (discs have another mass than spheres)")
+    return found
+
+
+def _in_a_plane(frame: Frame) -> bool:
+    still = [frame.columns[name] for name in ("vz", "omegax", "omegay") if name in frame.columns]
+    return len(still) == 3 and frame.n > 0 and not any(values.any() for values in still) and bool(frame.columns["omegaz"].any())
+
+
+@lru_cache(maxsize=64)
+def _forecast(centre: bytes, radius: bytes, kind: int) -> str | None:
+    return forecast(Template(np.frombuffer(centre).reshape(-1, 3), np.frombuffer(radius), None, kind))
+
+
+def forecasts(templates: Sequence[Template]) -> list[str]:
+    """One line for each clump whose inertia LIGGGHTS 3.8.0 gets wrong."""
+    told = [_forecast(t.centre.tobytes(), t.radius.tobytes(), t.kind) for t in templates]
+    return [line for line in told if line]
 
 
 @lru_cache(maxsize=4096)

@@ -14,7 +14,7 @@ from demsolver.computes.erotate import LAST, children, erotate_by_shape
 from demsolver.computes.ke import ke
 from demsolver.computes.population import Energies, Population, RigidBodies
 from demverify.analysis.clumps import rigid_bodies
-from demverify.analysis.doubts import doubts
+from demverify.analysis.doubts import doubts, forecasts, remarks
 from demverify.analysis.meanings import Meanings
 from demverify.analysis.quantities import bodies_of, check_complete, population_of
 from demverify.errors import InputError
@@ -98,6 +98,9 @@ def energies_of(frame: Frame, wanted: Wanted, present: Sequence[str] = ()) -> Fr
         else:
             population = _sound(population_of(frame, wanted.meanings, halfstep=wanted.halfstep), frame.step, notes, spoilt)
             population = _with_bodies(population, frame, wanted)
+            notes += remarks(frame, wanted.meanings)
+            if population.bodies and (wanted.meanings.dialect or frame.dialect) == "liggghts":
+                notes += forecasts(wanted.meanings.templates)
             check_complete(population, list(present or frame.columns))
         found = dict(erotate_by_shape(population))
     except (ValueError, LookupError) as error:

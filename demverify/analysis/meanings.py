@@ -28,7 +28,7 @@ class Meanings:
         blockiness1 blockiness2 mol id_multisphere). Bodies (`compute multisphere property`): id_multisphere masstotal xcm[1]
         xcm[2] xcm[3] vcm[i] omega[i] angmom[i] quat[i] inertia[i] clumptype.
     density: particle type -> density. dimension: 2 makes the mass of a particle that of a disc.
-    timestep: time of one step. units: word of the `units` command.
+    timestep: time of one step. units: word of the `units` command. atom_style: words of the `atom_style` command; empty: not known.
     rigid: how particles belong to rigid bodies: "molecule" (LAMMPS fix rigid molecule), "multisphere" (LIGGGHTS), "none" (the deck
         has neither), None: nobody has said.
     templates: the clumps that the deck inserts. dumps: the deck's dump commands, for files without column names.
@@ -36,6 +36,7 @@ class Meanings:
 
     dialect: Dialect | None = None
     units: str | None = None
+    atom_style: tuple[str, ...] = ()
     timestep: float | None = None
     dimension: int = 3
     names: Mapping[str, str] = field(default_factory=dict)

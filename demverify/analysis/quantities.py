@@ -62,11 +62,15 @@ def population_of(frame: Frame, meanings: Meanings, *, halfstep: bool = False) -
     shape, radius = _shape(frame, dialect, quat, angmom), _radius(frame)
     blockiness = vector(frame, ("blockiness1", "blockiness2"))
     blockiness = vector(frame, ("roundness1", "roundness2")) if blockiness is None else blockiness
-    if shape is not None and shape.any():
-        if dialect == "lammps":
-            radius, omega = _of_points(radius, omega, angmom, frame.n)
-        elif angmom is not None and omega is not None:
-            quat = None  # LIGGGHTS prints L . omega / 2; scheme 3 has an omega that belongs to the quaternion of one step ago
+    if shape is not None and dialect == "lammps":
+        if angmom is None and shape.any():
+            message = "the energy of ellipsoids needs the columns angmomx angmomy angmomz: LAMMPS keeps no omega of them"
+            raise MissingColumnError(message)
+        if "sphere" not in meanings.atom_style:  # then what has no shape is a point
+            radius = np.zeros(frame.n) if radius is None else radius
+            omega = np.zeros((frame.n, 3)) if omega is None else omega
+    elif shape is not None and angmom is not None and omega is not None:
+        quat = None  # LIGGGHTS prints L . omega / 2; scheme 3 has an omega that belongs to the quaternion of one step ago
     found = Population(
         id=_ids(frame),
         radius=radius,
@@ -153,14 +157,6 @@ def _shape(frame: Frame, dialect: Dialect | None, quat: Floats | None, angmom: F
     return np.where(none[:, None], 0.0, 0.5 * shape)
 
 
-def _of_points(radius: Floats | None, omega: Floats | None, angmom: Floats | None, n: int) -> tuple[Floats, Floats]:
-    """Radius and omega of a LAMMPS dump with ellipsoids: what has neither is a point. Raises MissingColumnError without angmom."""
-    if angmom is None:
-        message = "the energy of ellipsoids needs the columns angmomx angmomy angmomz: LAMMPS keeps no omega of them"
-        raise MissingColumnError(message)
-    return np.zeros(n) if radius is None else radius, np.zeros((n, 3)) if omega is None else omega
-
-
 def _positions(frame: Frame) -> Floats | None:
     for names in POSITIONS:
         found = vector(frame, names)
@@ -197,7 +193,7 @@ def _bodies_in(column: Floats) -> int:
 
 
 def _whole(column: Floats) -> Ints:
-    if (bad := np.flatnonzero(column != np.rint(column))).size:
+    if (bad := np.flatnonzero((column != np.rint(column)) | (np.abs(column) > 2.0**53))).size:
         message = f"a body has the number {column[bad[0]]:.9g}: expected whole numbers (dump_modify format must print them with %d)"
         raise InputError(message)
     return column.astype(np.int64)
@@ -212,6 +208,8 @@ def _shared(mol: Floats) -> bool:
 def _mass(frame: Frame, meanings: Meanings, radius: Floats | None, shape: Floats | None, blockiness: Floats | None) -> Floats | None:
     if "mass" in frame.columns:
         return frame.columns["mass"]
+    if {"ellipsoid", "sphere"} <= set(meanings.atom_style):  # LAMMPS then takes the density for that of a sphere of radius 0.5
+        return None
     density = _density(frame, meanings)
     if density is None:
         return None

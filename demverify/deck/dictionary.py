@@ -87,6 +87,7 @@ class _Chapter:
         told = Meanings(
             dialect=dialect,
             units=self.settings.units,
+            atom_style=() if self.particles.style == ("atomic",) else self.particles.style,
             timestep=timestep,
             dimension=self.settings.dimension,
             names=names,
@@ -130,6 +131,7 @@ def _merged(chapters: Sequence[Meanings]) -> tuple[Meanings, list[str]]:
     merged = Meanings(
         dialect=first.dialect,
         units=_common([one.units for one in chapters]),
+        atom_style=_common([one.atom_style for one in chapters]) or (),
         timestep=_common([one.timestep for one in chapters]),
         dimension=_common([one.dimension for one in chapters]) or first.dimension,
         names={name: what for name, what in names.items() if all(one.names.get(name, what) == what for one in chapters)},

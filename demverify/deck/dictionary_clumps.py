@@ -84,6 +84,8 @@ class Rigid:
             self._found.add("multisphere")
         elif cmd.args[3:4] != ("molecule",):
             raise cmd.error(f"{cmd.args[2]} makes bodies of which a dump does not tell the members: it numbers molecules only")
+        elif "infile" in cmd.args:
+            raise cmd.error(f"{cmd.args[2]} takes mass and inertia of its bodies from a file, which dumps of particles do not show")
         else:
             self._found.add("molecule")
             if cmd.args[1] != "all":

@@ -16,12 +16,11 @@ Values = dict[float | None, str]
 class Lot:
     """Particles that came by one command.
 
-    kind: their type; None: any type but those in `without`. ids: None where they are not known. source: the densities of those still to come.
+    kind: their type; None: any type but those in `without`. source: the densities of those still to come.
     """
 
     kind: int | None
     values: Values
-    ids: range | None = None
     source: Values = field(default_factory=dict)
     without: set[int] = field(default_factory=set)
 
@@ -45,32 +44,40 @@ class Densities:
     def __init__(self) -> None:
         """No particles."""
         self.types = 0
-        self._lots: list[Lot] = []
+        self._numbered: dict[int, Lot] = {}  # single particles by id
+        self._others: list[Lot] = []
         self._groups: dict[str, tuple[dict[Lot, bool], set[Lot]]] = {}
         self._last_id: int | None = 0
         self._seen: dict[bool, set[_Seen]] = {True: set(), False: set()}
 
-    def create(self, kind: int, values: Values, count: int | None = None) -> None:
-        """Particles come into being, `count` of them if that is known."""
-        ids = range(self._last_id + 1, self._last_id + 1 + count) if count and self._last_id is not None else None
-        self._last_id = ids[-1] if ids else None
-        self._lots.append(Lot(kind, dict(values), ids))
+    @property
+    def _lots(self) -> list[Lot]:
+        return [*self._numbered.values(), *self._others]
+
+    def create(self, kind: int, values: Values, *, single: bool = False) -> None:
+        """Particles come into being: a single one, or an unknown number of them."""
+        lot = Lot(kind, dict(values))
+        if single and self._last_id is not None:
+            self._last_id += 1
+            self._numbered[self._last_id] = lot
+        else:
+            self._last_id = None
+            self._others.append(lot)
 
     def insert(self, kind: int, values: Values) -> None:
         """Particles are going to come while runs go on."""
         self._last_id = None
-        self._lots.append(Lot(kind, dict(values), source=dict(values)))
+        self._others.append(Lot(kind, dict(values), source=dict(values)))
 
     def unknown(self, why: str) -> None:
         """Particles of any type may have any density."""
         self._last_id = None
-        self._lots.append(Lot(None, {None: why}))
+        self._others.append(Lot(None, {None: why}))
 
     def forget_ids(self) -> None:
         """Particles are numbered anew."""
         self._last_id = None
-        for lot in self._lots:
-            lot.ids = None
+        self._others, self._numbered = self._lots, {}
 
     def everything(self) -> Choice:
         """All that are there."""
@@ -88,19 +95,14 @@ class Densities:
                 some.append((lot, False))
                 continue
             parted = [kind for kind in kinds if lot.may_be(kind)]
-            self._lots += [Lot(kind, dict(lot.values)) for kind in parted]
+            self._others += [Lot(kind, dict(lot.values)) for kind in parted]
             lot.without.update(parted)
         return some + [(lot, True) for lot in self._lots if lot.kind is not None and lot.kind in kinds]
 
     def of_ids(self, ids: range) -> Choice:
         """Those with the ids of a range."""
-        chosen: Choice = []
-        for lot in self._lots:
-            if lot.ids is None:
-                chosen.append((lot, False))
-            elif lot.ids[0] <= ids[-1] and ids[0] <= lot.ids[-1]:
-                chosen.append((lot, ids[0] <= lot.ids[0] and lot.ids[-1] <= ids[-1]))
-        return chosen
+        numbered = [self._numbered[i] for i in (ids if len(ids) < len(self._numbered) else self._numbered) if i in ids and i in self._numbered]
+        return [(lot, True) for lot in numbered] + [(lot, False) for lot in self._others]
 
     def group(self, name: str, choice: Choice) -> None:
         """Adds a choice to a group. It holds for the lots that are there now; of those that came meanwhile, some may belong to it."""
@@ -134,7 +136,7 @@ class Densities:
                 lot.kind, lot.without = kind, set()
             elif lot.kind != kind:
                 parted.append((Lot(kind, dict(lot.values)), True))
-        self._lots += [lot for lot, _ in parted]
+        self._others += [lot for lot, _ in parted]
         return choice + parted
 
     def observe(self, *, dumping: bool) -> None:

@@ -20,7 +20,7 @@ _LARGEST_ID = 2**31 - 1
 
 
 class Particles:
-    """Where particles come from and what changes them. dimension: of the deck."""
+    """Where particles come from and what changes them. dimension: of the deck. style: words of the atom_style command, (): not known."""
 
     def __init__(self, script: Script, dialect: Dialect) -> None:
         """script: variables, folder and notes."""
@@ -28,7 +28,7 @@ class Particles:
         self.densities = Densities()
         self.templates: list[Template] = []
         self._script, self._dialect = script, dialect
-        self._style: tuple[str, ...] = ("atomic",)  # (): not known
+        self.style: tuple[str, ...] = ("atomic",)
         self._coarse: list[float] | None = []  # factors by type; None: not known
         self._readers: dict[str, Callable[[Spoken], None]] = {
             "atom_style": self._atom_style,
@@ -73,12 +73,12 @@ class Particles:
         elif cmd.name == "coarsegraining":
             self._coarse = None
         elif cmd.name == "atom_style":
-            self._style = ()
+            self.style = ()
         elif cmd.name != "create_box" and CLUMP not in cmd.args:
             self.densities.unknown(why)
 
     def _atom_style(self, cmd: Spoken) -> None:
-        self._style = cmd.rest()
+        self.style = cmd.rest()
 
     def _coarse_graining(self, cmd: Spoken) -> None:
         factors = list(self._coarse or ())
@@ -98,14 +98,14 @@ class Particles:
             if word == "basis":
                 kinds.add(Spoken(("basis", cmd.args[index + 2]), cmd.text, cmd.place, certain=True, unknown=cmd.unknown).integer("type"))
         for kind in sorted(kinds) if self._has_density() else ():
-            self.densities.create(kind, self._default(cmd), 1 if single and len(kinds) == 1 else None)
+            self.densities.create(kind, self._default(cmd), single=single and len(kinds) == 1)
 
     def _has_density(self) -> bool:
-        return not self._style or has_density(self._style)
+        return not self.style or has_density(self.style)
 
     def _default(self, cmd: Spoken) -> Values:
         """Particles of create_atoms are spheres of density 1 in both engines, those of atom_style ellipsoid points."""
-        if self._style and "ellipsoid" not in self._style:
+        if self.style and "ellipsoid" not in self.style:
             return {1.0: f"default of create_atoms, {cmd.where}"}
         return {None: f"create_atoms, {cmd.where}, without a density"}
 
@@ -113,11 +113,11 @@ class Particles:
         path = self._script.find_file(cmd.take("a file"))
         if not self._has_density():
             return
-        if not self._style:
+        if not self.style:
             raise cmd.error("reads particles whose atom_style is not known")
         offset = cmd.after("offset").integer("offset of types", 0) if "offset" in cmd.args else 0
         try:
-            data = data_densities(path if _opens(path) else Path(f"{path}.gz"), self._style)
+            data = data_densities(path if _opens(path) else Path(f"{path}.gz"), self.style)
         except InputError as error:
             raise cmd.error(str(error)) from None
         self.densities.types = max(self.densities.types, data.types + offset)
@@ -126,7 +126,7 @@ class Particles:
                 self.densities.create(kind + offset, dict.fromkeys(values, f"{path.name}, {cmd.where}"))
 
     def _from_elsewhere(self, cmd: Spoken) -> None:
-        self._style = () if self._style == ("atomic",) else self._style
+        self.style = () if self.style == ("atomic",) else self.style
         self.densities.unknown(f"{cmd.name} {cmd.peek()}, {cmd.where}".replace("\0", "?"))
 
     def _renumbered(self, cmd: Spoken) -> None:

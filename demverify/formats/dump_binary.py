@@ -114,7 +114,7 @@ def _read_frames(block: Block, reading: Reading) -> Iterator[Frame]:
 def _read_frame(data: _Bytes, reading: Reading, units: str | None) -> Frame:
     first = data.take(8)
     data.order = "<"
-    named = first[4:] == b"\xff" * 4 or first[:4] == b"\xff" * 4
+    named = struct.unpack("<q", first)[0] < 0  # of either byte order: a small negative number ends and starts with large bytes
     step = _named_step(data, first) if named else struct.unpack("<q", first)[0]
     n, triclinic, *flags = data.unpack("qi6i")
     if not named and _old_and_big_endian(first + struct.pack("<q", n)):

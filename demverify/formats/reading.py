@@ -47,9 +47,9 @@ class Reading:
     half_written: Callable[[InputError], object] | None = None
 
     def called(self, found: Sequence[str], place: Place) -> list[str | None]:
-        """What the columns of a file are called in the frame, None for one that is not wanted.
+        """What the columns of a file are called in the frame, None for one that is not wanted, or that is there once more (`id type type x`).
 
-        Raises InputError when `columns` has another number of names, or when two wanted columns get the same name.
+        Raises InputError when `columns` has another number of names, or gives a wanted one twice.
         """
         if self.columns is not None and len(self.columns) != len(found):
             got = f"{len(found)} columns" + (f" ({' '.join(found)})" if any(found) else "")
@@ -58,11 +58,11 @@ class Reading:
         given = [self.names.get(name, name) for name in self.columns or found]
         kept = self.wanted(given)
         names = [name if name in kept else None for name in given]
-        wanted = [name for name in names if name is not None]
-        if twice := {name for name in wanted if wanted.count(name) > 1}:
-            message = f"expected distinct columns, got {min(twice)} twice: {' '.join(given)}"
+        again = [name is not None and name in names[:j] for j, name in enumerate(names)]
+        if self.columns is not None and any(again):
+            message = f"expected distinct columns, got {given[again.index(True)]} twice: {' '.join(given)}"
             raise InputError(message, place)
-        return names
+        return [None if repeated else name for name, repeated in zip(names, again, strict=True)]
 
     def wanted(self, names: Sequence[str]) -> Collection[str]:
         """Those of a file's names (after renaming) that are to be kept."""

@@ -161,7 +161,6 @@ def test_ellipsoids_that_nobody_explains(mixed: Run) -> None:
         erotate(mixed.folder / "named.txt")
 
 
-@pytest.mark.xfail(strict=True, reason="what has no shape counts as a point, also where the deck says hybrid with sphere")
 @pytest.mark.parametrize("mixed", MIXED[1:], indirect=True)
 def test_spheres_among_ellipsoids_need_their_columns(mixed: Run) -> None:
     """Law: in a hybrid style what has no shape is a sphere, whose energy needs radius and omega: without them an error, not zero."""
@@ -169,7 +168,6 @@ def test_spheres_among_ellipsoids_need_their_columns(mixed: Run) -> None:
         erotate(mixed.folder / "shapes.txt", deck=mixed.deck)
 
 
-@pytest.mark.xfail(strict=True, reason="the dictionary says densities of atom_style hybrid ellipsoid sphere")
 @pytest.mark.parametrize("mixed", MIXED[1:], indirect=True)
 def test_densities_of_a_hybrid_style(mixed: Run) -> None:
     """Law: in a hybrid of ellipsoids and spheres `set density` gives an ellipsoid the mass of the sphere with its radius (0.5 unless set): what it
@@ -219,7 +217,6 @@ def test_members_with_shapes_of_their_own(tmp_path: Path) -> None:
 INFILE = "1\n1 1.0 0 0 0 0.2 0.3 0.35 0.01 0.02 -0.01 0 0 0 0.05 0.06 0.07 0 0 0\n"  # id mass xcm inertia vcm angmom image
 
 
-@pytest.mark.xfail(strict=True, reason="the dictionary passes over infile")
 def test_bodies_whose_inertia_a_file_gives(tmp_path: Path) -> None:
     """Law: fix rigid with infile takes mass and inertia from a file, which no dump of particles shows: an error, and compute rigid/local has them."""
     (tmp_path / "given").write_text(INFILE)

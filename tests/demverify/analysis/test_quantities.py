@@ -183,3 +183,23 @@ def test_a_body_number_that_was_printed_as_a_float_is_seen() -> None:
     assert found.by_particle["multisphere"].id.tolist() == [1, 2]
     with pytest.raises(InputError, match=r"a body has the number 0\.02: expected whole numbers"):
         row(frame(*[without(SPHERE, id=i, id_multisphere=0.02, x=0.1 * i, y=0.0, z=0.0) for i in (1, 2)]))
+
+
+def test_what_was_taken_for_granted_is_told() -> None:
+    """Law: superquadrics without blockiness, shapeless particles without radius and discs that look like spheres are told, and silent where known."""
+
+    def notes(shown: Frame, meanings: Meanings | None = None) -> str:
+        return " ".join(energies_of(shown, Wanted(meanings or Meanings())).notes)
+
+    assert "no columns blockiness1 blockiness2" in notes(frame(ELLIPSOID, dialect="liggghts"))
+    assert not notes(frame(ELLIPSOID | {"blockiness1": 2.0, "blockiness2": 2.0}, dialect="liggghts"))
+    swing = {f"angmom{axis}": 0.0 for axis in "xyz"}
+    point = without(ELLIPSOID, shapex=1.0, shapey=1.0, shapez=1.0, **swing)
+    assert "are taken for points" in notes(frame(point, dialect="lammps"))
+    assert not notes(frame(point, dialect="lammps"), Meanings(atom_style=("ellipsoid",)))
+    with pytest.raises(InputError, match="radius or diameter"):
+        notes(frame(point, dialect="lammps"), Meanings(atom_style=("hybrid", "ellipsoid", "sphere")))
+    disc = without(SPHERE, "mass", density=RHO, omegax=0.0, omegay=0.0, omegaz=W, vz=0.0)
+    assert "if the deck says dimension 2" in notes(frame(disc, dialect="liggghts"))
+    assert not notes(frame(disc, dialect="liggghts"), Meanings(atom_style=("granular",)))
+    assert not notes(frame(disc | {"omegax": W}, dialect="liggghts"))
