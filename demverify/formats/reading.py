@@ -47,9 +47,10 @@ class Reading:
     half_written: Callable[[InputError], object] | None = None
 
     def called(self, found: Sequence[str], place: Place) -> list[str | None]:
-        """What the columns of a file are called in the frame, None for one that is not wanted, or that is there once more (`id type type x`).
+        """What the columns of a file are called in the frame, None for one that is not wanted, or a type that is there once more
+        (`id type type x y z` is common with LIGGGHTS).
 
-        Raises InputError when `columns` has another number of names, or gives a wanted one twice.
+        Raises InputError when `columns` has another number of names, or when another wanted column is there twice.
         """
         if self.columns is not None and len(self.columns) != len(found):
             got = f"{len(found)} columns" + (f" ({' '.join(found)})" if any(found) else "")
@@ -59,8 +60,8 @@ class Reading:
         kept = self.wanted(given)
         names = [name if name in kept else None for name in given]
         again = [name is not None and name in names[:j] for j, name in enumerate(names)]
-        if self.columns is not None and any(again):
-            message = f"expected distinct columns, got {given[again.index(True)]} twice: {' '.join(given)}"
+        if twice := [name for name, repeated in zip(names, again, strict=True) if repeated and (self.columns or name != "type")]:
+            message = f"expected distinct columns, got {twice[0]} twice: {' '.join(given)}"
             raise InputError(message, place)
         return [None if repeated else name for name, repeated in zip(names, again, strict=True)]
 

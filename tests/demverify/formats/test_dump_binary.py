@@ -88,6 +88,7 @@ def test_half_written_last_frame(tmp_path: Path) -> None:
         (46, 9, "boundary flags 9 0"),
         (118, 5, "expected names for 5 columns"),
         (131, 0x78, "an id among them"),
+        (141, 0x78, "expected distinct columns, got x twice"),
         (147, 2, "expected 3 x 6 values, got -10 in one piece"),
         (151, 13, "expected 3 x 6 values, got 13 in one piece for the last 3"),
         (151, 12, "expected 3 x 6 values, got 2 x 6"),

@@ -206,6 +206,7 @@ def test_packed_and_cut_short(tmp_path: Path, pack: Callable[[bytes], bytes]) ->
         (b"ATOMS\n3\n", b"ATOMS\n" + b"9" * 5000 + b"\n", 4, "expects a count, got '99999"),
         (b"ATOMS\n3\n", b"ATOMS\n999999999999999999\n", 9, "999999999999999999 rows of 6 columns do not fit into memory"),
         (b"ATOMS id type", b"ATOMS tag type", 9, "expected distinct columns with an id"),
+        (b"id type x y", b"id type x x", 9, "expected distinct columns"),
         (b"BOUNDS pp fs mm", b"BOUNDS xy xz yz pp fs mm", 6, "expected 3 numbers in a row of BOX BOUNDS, got '-1.0"),
         (b"BOUNDS pp fs mm", b"BOUNDS abc origin pp fs mm", 6, "expected 4 numbers in a row of BOX BOUNDS"),
         (b"BOUNDS pp fs mm", b"BOUNDS xy pp fs mm", 5, "expected three boundary flags"),
