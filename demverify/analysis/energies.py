@@ -146,7 +146,10 @@ def _with_bodies(population: Population, frame: Frame, wanted: Wanted) -> Popula
 def _sound(population: Population, step: int, notes: list[str], spoilt: set[str]) -> Population:
     """The population without particles that have a number that is not finite; these go into the notes, their shapes into `spoilt`."""
     good = np.ones(len(population.id), dtype=bool)
+    clumps = population.body is not None and bool((population.body > 0).any())
     for name, values in _arrays(population):
+        if name == "x" and not clumps:
+            continue
         fine = np.isfinite(values).all(axis=tuple(range(1, values.ndim)))
         notes += [f"step {step}: {name} of particle {i} is not finite" for i in population.id[~fine][:_NAMED]]
         if name != "v":

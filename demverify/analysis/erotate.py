@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import fnmatch
 import re
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, cast
@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from MDAnalysis import Universe
 
 Paths = str | Path | Sequence[str | Path]
+_ROWS = 1 << 18  # in a part: about those of a block
 
 
 @dataclass(frozen=True)
@@ -40,7 +41,7 @@ class Request:
 
 @dataclass(frozen=True)
 class Part:
-    """The frames of one block, in order."""
+    """Some frames of one file, in order."""
 
     source: str
     frames: list[FrameEnergies]
@@ -55,8 +56,8 @@ def split(request: Request, body_columns: tuple[str, ...] | None = None) -> tupl
     return particles, replace(request, wanted=replace(request.wanted, clumps="alone"), columns=body_columns)
 
 
-def energies_of_block(block: Block, request: Request, stopped: Callable[[], bool] = lambda: False) -> Part:
-    """All frames of a block. stopped: asked before each frame whether to leave it at that. Raises InputError."""
+def parts_of_block(block: Block, request: Request) -> Iterator[Part]:
+    """All frames of a block, some at a time: a packed file is one block, however long. Raises InputError."""
     notes: list[str] = []
     columns = request.columns or _columns_of_deck(block.path, request.wanted.meanings)
     reading = NeededColumns(
@@ -65,10 +66,9 @@ def energies_of_block(block: Block, request: Request, stopped: Callable[[], bool
         half_written=lambda error: notes.append(f"{error}; the frames before it are used"),
         halfstep=request.wanted.halfstep,
     )
-    frames = []
+    frames: list[FrameEnergies] = []
+    rows = 0
     for frame in read_block(block, reading):
-        if stopped():
-            break
         try:
             found = energies_of(frame, request.wanted)
         except InputError:
@@ -78,7 +78,11 @@ def energies_of_block(block: Block, request: Request, stopped: Callable[[], bool
             except InputError as error:
                 raise InputError(error.message, error.place or Place(block.path)) from None
         frames.append(found if request.keep_particles else replace(found, by_particle={}))
-    return Part(str(block.path), frames, notes)
+        rows += 1 + found.row.n
+        if rows >= _ROWS:
+            yield Part(str(block.path), frames, [])
+            frames, rows = [], 0
+    yield Part(str(block.path), frames, notes)
 
 
 def _columns_of_deck(path: Path, meanings: Meanings) -> tuple[str, ...] | None:
@@ -144,7 +148,7 @@ def _series(frames: Paths | Iterable[Frame] | Universe, request: Request) -> Ser
     if isinstance(frames, str | Path):
         frames = [frames]
     if isinstance(frames, Sequence) and all(isinstance(item, str | Path) for item in frames):
-        return gather(energies_of_block(block, request) for block in blocks_of(dump_files(frames)))
+        return gather(part for block in blocks_of(dump_files(frames)) for part in parts_of_block(block, request))
     many = cast("Iterable[Frame]", frames_of_universe(frames) if hasattr(frames, "trajectory") else frames)
     return gather(Part("frames", [energies_as_written(frame, request.wanted)], []) for frame in many)
 

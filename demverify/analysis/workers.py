@@ -10,22 +10,23 @@ from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager, suppress
 from dataclasses import replace
+from queue import Full, Queue
 from threading import Event
 from typing import Any, Protocol
 
-from demverify.analysis.erotate import Part, Request, energies_of_block
+from demverify.analysis.erotate import Part, Request, parts_of_block
 from demverify.errors import InputError, Place
 from demverify.formats.reading import Block
 
-_AHEAD = 2  # blocks a worker has waiting: enough to keep it busy, few enough to keep memory small
+_AHEAD = 2  # blocks a worker has waiting, and parts of them: enough to keep it busy, few enough to keep memory small
 _PATIENCE = 5.0  # seconds for a scheduler to answer, and for a cluster without workers to get some
 
 
 class Pending(Protocol):
     """A block somebody works on."""
 
-    def result(self) -> Part:
-        """Waits for it. Raises InputError."""
+    def parts(self) -> Iterator[Part]:
+        """Waits for them, one after the other. Raises InputError."""
 
     def cancel(self) -> object:
         """It is no longer wanted."""
@@ -47,7 +48,43 @@ class _Threads:
         self._pool = pool
 
     def submit(self, block: Block, request: Request) -> Pending:
-        return self._pool.submit(energies_of_block, block, request, self.stopped.is_set)
+        pending = _Local(self.stopped)
+        self._pool.submit(pending.work, block, request)
+        return pending
+
+
+class _Local:
+    """A block in the hands of a thread, which stays a few parts ahead of whoever takes them."""
+
+    def __init__(self, stopped: Event) -> None:
+        self._stopped, self._cancelled = stopped, Event()
+        self._ahead: Queue[Part | Exception | None] = Queue(_AHEAD)
+
+    def work(self, block: Block, request: Request) -> None:
+        try:
+            for part in parts_of_block(block, request):
+                if not self._put(part):
+                    return
+            self._put(None)
+        except Exception as error:  # noqa: BLE001  (is raised by whoever takes the parts)
+            self._put(error)
+
+    def _put(self, item: Part | Exception | None) -> bool:
+        """False when nobody wants any more."""
+        while not (self._stopped.is_set() or self._cancelled.is_set()):
+            with suppress(Full):
+                self._ahead.put(item, timeout=0.1)
+                return True
+        return False
+
+    def parts(self) -> Iterator[Part]:
+        while (item := self._ahead.get()) is not None:
+            if isinstance(item, Exception):
+                raise item
+            yield item
+
+    def cancel(self) -> None:
+        self._cancelled.set()
 
 
 class _Cluster:
@@ -66,10 +103,10 @@ class _Remote:
     def __init__(self, client: Any, address: str, future: Any) -> None:
         self._client, self._address, self._future = client, address, future
 
-    def result(self) -> Part:
+    def parts(self) -> Iterator[Part]:
         while True:
             try:
-                part: Part = self._future.result(timeout=_PATIENCE)
+                parts: list[Part] = self._future.result(timeout=_PATIENCE)
             except InputError:
                 raise
             except Exception as error:  # noqa: BLE001  (whatever went wrong on another machine)
@@ -78,17 +115,18 @@ class _Remote:
                     raise InputError(message) from None
                 _check_workers(self._client, f"the Dask scheduler at {self._address} lost all its workers, whose logs may say why")
             else:
-                return part
+                yield from parts
+                return
 
     def cancel(self) -> None:
         self._future.release()
 
 
-def _on_worker(block: Block, request: Request) -> Part:
+def _on_worker(block: Block, request: Request) -> list[Part]:
     if not block.path.exists():
         message = f"the Dask worker on {socket.gethostname()} has no such file: workers must see files under the same names"
         raise InputError(message, Place(block.path))
-    return energies_of_block(block, request)
+    return list(parts_of_block(block, request))
 
 
 @contextmanager
@@ -183,17 +221,16 @@ def parts_in_parallel(
         for block in blocks:
             waiting.append((block, workers.submit(block, request)))
             if len(waiting) >= _AHEAD * workers.count:
-                yield _next(waiting, done)
+                yield from _next(waiting, done)
         while waiting:
-            yield _next(waiting, done)
+            yield from _next(waiting, done)
     finally:
         for _, pending in waiting:
             pending.cancel()
 
 
-def _next(waiting: deque[tuple[Block, Pending]], done: Callable[[Block], object]) -> Part:
+def _next(waiting: deque[tuple[Block, Pending]], done: Callable[[Block], object]) -> Iterator[Part]:
     block, pending = waiting[0]
-    part = pending.result()
+    yield from pending.parts()
     waiting.popleft()
     done(block)
-    return part

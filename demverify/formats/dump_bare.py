@@ -19,14 +19,13 @@ from demverify.errors import InputError, Place
 from demverify.formats.reading import Block, HalfWrittenError, Reading, opened, whole_frames
 from demverify.formats.rows import Picked, pick
 from demverify.formats.words import is_number
-from demverify.frames import Floats, Frame
+from demverify.frames import UNKNOWN_BOUNDARY, Floats, Frame
 
 if TYPE_CHECKING:
     from demverify.formats.text import Text
 
 _ROWS = 1 << 14
 _BOX = np.full((3, 2), np.nan)
-_BOUNDARY = ("ff", "ff", "ff")
 
 
 def recognises(head: bytes) -> bool:
@@ -39,9 +38,8 @@ def read(block: Block, reading: Reading) -> Iterator[Frame]:
     """The frames of a dump without header, float64 exactly as written, rows sorted by id.
 
     The step of a single frame is what the digits nearest the end of the file name say, 0 without any; of several frames in one file the
-    steps are not known: they are numbered 0, 1, 2 ... The box is not known: NaN; its boundary is called fixed, "ff", so that nothing is
-    taken for an image. Raises InputError without names of columns, for what is not a row of numbers, and where the boundary between
-    frames cannot be told.
+    steps are not known: they are numbered 0, 1, 2 ... The box and its boundary are not known: NaN and "??".
+    Raises InputError without names of columns, for what is not a row of numbers, and where the boundary between frames cannot be told.
     """
     return whole_frames(_read_frames(block.path, reading), reading)
 
@@ -114,7 +112,7 @@ def _frames(rows: _Rows, picked: Picked, path: Path) -> Iterator[Frame]:
             message = f"rows {end - n + 1} to {end} do not hold the ids of the first {n} rows: where a frame ends cannot be told"
             raise InputError(message, place)
         same = ids_here
-        yield Frame(next(steps), _BOX, _BOUNDARY, picked.columns(table, place))
+        yield Frame(next(steps), _BOX, UNKNOWN_BOUNDARY, picked.columns(table, place))
     rows.check_end()
     if left := table.shape[1]:
         message = f"the file ends inside a frame: {left} of {n} rows"

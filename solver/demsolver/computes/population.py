@@ -56,7 +56,7 @@ class Population:
         if values is None:
             message = f"the population has no {what}"
             raise LookupError(message)
-        return values[mine]
+        return values if mine.all() else values[mine]
 
 
 @dataclass(frozen=True)

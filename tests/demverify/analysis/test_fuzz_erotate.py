@@ -13,6 +13,7 @@ from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
 import demverify
+from demverify import cli_erotate
 from demverify.analysis.series import Series
 from demverify.errors import InputError
 from demverify.formats import dump
@@ -170,6 +171,14 @@ def test_the_changes_reach_the_numbers(read: Read) -> None:
         assert 0.1 < np.mean(kept) < 0.95, kind
 
 
+@pytest.mark.parametrize("number", ["inf", "-inf", "nan", "1e300", "1.5"])
+def test_the_number_of_a_body(read: Read, number: str) -> None:
+    """Law: a body has a whole number; what is none does not make its members free spheres."""
+    found = read(clumps(100).replace(b" 1 0.3 0.1", f" {number} 0.3 0.1".encode()))
+    assert isinstance(found, InputError)
+    assert "a body has the number" in found.message
+
+
 TINY, HUGE = 1e-30, 1e30  # products of eight such numbers, density r^5 omega^2, neither overflow nor lose digits
 NUMBERS = st.just(0.0) | st.floats(TINY, HUGE) | st.floats(-HUGE, -TINY) | st.integers(-9, 9).map(float)
 POSITIVE = st.just(0.0) | st.floats(TINY, HUGE)
@@ -249,6 +258,7 @@ def check_row(found: Any, step: int, rows: Rows, notes: tuple[str, ...]) -> None
         assert found.ke == (None if rows else 0.0)
 
 
+@pytest.mark.filterwarnings("ignore:overflow:RuntimeWarning", "ignore:invalid value:RuntimeWarning")
 @FUZZ
 @given(run=runs(), one_block=st.booleans())
 def test_frames_at_random(read: Read, run: tuple[tuple[str, ...], list[tuple[int, Rows]]], one_block: bool) -> None:
@@ -266,3 +276,15 @@ def test_frames_at_random(read: Read, run: tuple[tuple[str, ...], list[tuple[int
     assert len(found.rows) == len(left)
     for row, (step, rows) in zip(found.rows, left, strict=True):
         check_row(row, step, rows, found.notes)
+
+
+@pytest.mark.parametrize(("speed", "note"), [(math.nan, "step 100: v of particle 2 is not finite"), (1e200, "step 100: ke not finite")])
+@pytest.mark.filterwarnings("ignore:overflow:RuntimeWarning")
+def test_what_is_not_finite_is_told(read: Read, speed: float, note: str) -> None:
+    """Law: a speed that is none, and a sum that is too large, are noted and make the status 1; what is known of the frame stands."""
+    names = ("id", *SPIN, *SPEED, "radius", "mass")
+    found = read(as_text(names, [(100, [dict.fromkeys(names, 1.0), dict.fromkeys(names, 2.0) | {"vy": speed}])]))
+    assert isinstance(found, Series)
+    assert found.notes == (note,)
+    assert found.rows[0].erotate == pytest.approx(0.2 * 3.0 + 0.2 * 2.0**3 * 12.0, rel=1e-15)
+    assert not cli_erotate._sound(found)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gzip
+import itertools
 import logging
 import os
 import pickle
@@ -16,8 +17,9 @@ from typing import Any
 
 import pytest
 
+import demverify
 from demverify import cli
-from demverify.analysis import workers
+from demverify.analysis import erotate, workers
 from demverify.analysis.erotate import Part, Request
 from demverify.analysis.quantities import MissingColumnError
 from demverify.analysis.workers import cluster, parts_in_parallel, threads
@@ -66,11 +68,11 @@ class Fake:
         def __init__(self, name: str, told: list[tuple[str, str]], failing: dict[str, BaseException]) -> None:
             self._name, self._told, self._failing = name, told, failing
 
-        def result(self) -> Part:
+        def parts(self) -> Iterator[Part]:
             if self._name in self._failing:
                 raise self._failing[self._name]
-            self._told.append(("result", self._name))
-            return Part(self._name, [], [])
+            self._told.append(("parts", self._name))
+            yield Part(self._name, [], [])
 
         def cancel(self) -> None:
             self._told.append(("cancel", self._name))
@@ -86,12 +88,12 @@ def test_parts_come_in_order_whatever_finishes_first(monkeypatch: pytest.MonkeyP
     """Law: of blocks that end in reverse order the parts come in the order of the blocks, and each is told as done in that order."""
     finished: list[str] = []
 
-    def slow_first(block: Block, *_: object) -> Part:
+    def slow_first(block: Block, *_: object) -> Iterator[Part]:
         time.sleep(0.03 * (3 - int(block.path.name) % 4))
         finished.append(block.path.name)
-        return Part(block.path.name, [], [])
+        yield Part(block.path.name, [], [])
 
-    monkeypatch.setattr(workers, "energies_of_block", slow_first)
+    monkeypatch.setattr(workers, "parts_of_block", slow_first)
     told: list[Block] = []
     with threads(4) as four:
         sources = [part.source for part in parts_in_parallel(blocks(8), Request(), four, told.append)]
@@ -120,7 +122,7 @@ def test_an_error_comes_out_as_it_is_and_cancels_what_waits(error: BaseException
     with pytest.raises(type(error)) as caught:
         found.extend(part.source for part in parts_in_parallel(blocks(20), Request(), fake))
     assert caught.value is error
-    assert found == fake.those("result") == ["0", "1", "2"]
+    assert found == fake.those("parts") == ["0", "1", "2"]
     assert fake.those("cancel") == ["3", "4", "5", "6"]
 
 
@@ -130,23 +132,37 @@ def test_a_caller_that_stops_early_cancels_what_waits() -> None:
     parts = parts_in_parallel(blocks(20), Request(), fake)
     next(parts)
     parts.close()
-    assert fake.those("cancel") == ["1", "2", "3"]
+    assert fake.those("cancel") == ["0", "1", "2", "3"]
 
 
-def test_a_thread_stops_within_its_file(tmp_path: Path) -> None:
-    """Law: leaving, by an error or Ctrl-C, does not wait for a packed file, which is one block however long it is."""
-    path = tmp_path / "long.gz"
-    path.write_bytes(gzip.compress(frame(0, n=2000).encode()) * 20000)  # 1.2 GB of text: many seconds
-    blocks = [Block(written(tmp_path / "d.dump", frame(0))), Block(path), Block(tmp_path / "none")]
+def test_a_thread_stays_a_few_parts_ahead(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Law: of a block of any length no more than a few parts are held; and whoever leaves waits for no more than the part in work."""
+    made: list[int] = []
+
+    def endless(block: Block, *_: object) -> Iterator[Part]:
+        for i in itertools.count():
+            made.append(i)
+            yield Part(f"{block.path} {i}", [], [])
+
+    monkeypatch.setattr(workers, "parts_of_block", endless)
+    with threads(1) as one:
+        parts = parts_in_parallel(blocks(3), Request(), one)
+        sources = [part.source for part in itertools.islice(parts, 10)]
+        time.sleep(0.1)
+        assert len(made) <= 10 + 2 + 1  # taken, waiting, and the one that finds no room
+    assert sources == [f"0 {i}" for i in range(10)]
+
+
+def test_a_long_file_comes_in_parts(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Law: a packed file, which is one block, comes in parts; together they are the file, with its notes, through threads and without."""
+    monkeypatch.setattr(erotate, "_ROWS", 7)
+    path = tmp_path / "d.gz"
+    path.write_bytes(gzip.compress("".join(frame(step) for step in range(10)).encode()[:-3]))
     with threads(2) as two:
-        parts = parts_in_parallel(blocks, Request(), two)
-        next(parts)  # the reader is compiled
-        start = time.monotonic()
-        pending = two.submit(blocks[1], Request())
-        time.sleep(0.2)
-        parts.close()
-    assert time.monotonic() - start < 2.0
-    assert 0 < len(pending.result().frames) < 20000
+        parts = list(parts_in_parallel([Block(path)], Request(), two))
+    assert [[found.row.step for found in part.frames] for part in parts] == [[0, 1, 2], [3, 4, 5], [6, 7, 8], []]
+    assert [len(part.notes) for part in parts] == [0, 0, 0, 1]
+    assert demverify.erotate(path)["step"].tolist() == list(range(9))
 
 
 def test_an_error_of_a_block_keeps_file_and_line(tmp_path: Path) -> None:
@@ -264,7 +280,7 @@ def test_what_workers_cannot_see(dask_cluster: Any, tmp_path: Path) -> None:
     with cluster(dask_cluster.scheduler_address) as two:
         assert two.count == 2
         with pytest.raises(InputError, match=r"the Dask worker on .* has no such file") as caught:
-            two.submit(Block(tmp_path / "d.dump"), Request()).result()
+            list(two.submit(Block(tmp_path / "d.dump"), Request()).parts())
     assert caught.value.place == Place(tmp_path / "d.dump")
 
 
@@ -280,7 +296,7 @@ def test_workers_that_die(dask_cluster: Any, monkeypatch: pytest.MonkeyPatch) ->
     monkeypatch.setattr(workers, "_on_worker", lambda block, request: os._exit(1))
     monkeypatch.setattr(dask_cluster.scheduler, "allowed_failures", 0)
     with cluster(dask_cluster.scheduler_address) as two, pytest.raises(InputError, match=r"the Dask cluster at .* failed: KilledWorker") as caught:
-        two.submit(blocks(1)[0], Request()).result()
+        list(two.submit(blocks(1)[0], Request()).parts())
     assert "\n" not in str(caught.value)
 
 
@@ -292,4 +308,4 @@ def test_no_workers() -> None:
         with pytest.raises(InputError, match=r"has no workers$"), cluster(none.scheduler_address):
             pass
         with distributed.Client(none) as client, pytest.raises(InputError, match="lost all its workers"):
-            workers._Cluster(client, "here").submit(blocks(1)[0], Request()).result()
+            list(workers._Cluster(client, "here").submit(blocks(1)[0], Request()).parts())

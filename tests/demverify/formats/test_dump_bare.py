@@ -14,7 +14,7 @@ from demverify.errors import InputError
 from demverify.formats import dump_bare
 from demverify.formats.dump import read_dump
 from demverify.formats.reading import Block, HalfWrittenError, Reading
-from demverify.frames import Frame
+from demverify.frames import UNKNOWN_BOUNDARY, Frame
 from tests.demverify.formats.samples import DATA
 
 NAMED = Reading(columns=("id", "x"))
@@ -32,7 +32,7 @@ def test_a_real_file_of_three_frames() -> None:
     assert [f.step for f in got] == [0, 1, 2]
     for bare, full in zip(got, read_dump(DATA / "lammps" / "triclinic.txt"), strict=True):
         assert np.isnan(bare.box).all()
-        assert (bare.boundary, bare.cell, bare.time, bare.units, bare.dialect) == (("ff", "ff", "ff"), None, None, None, None)
+        assert (bare.boundary, bare.cell, bare.time, bare.units, bare.dialect) == (UNKNOWN_BOUNDARY, None, None, None, None)
         for name, values in bare.columns.items():
             np.testing.assert_allclose(values, full.columns[name], rtol=5e-6)  # six digits in triclinic.txt
 
