@@ -27,8 +27,9 @@ class Meanings:
         vx vy vz omegax omegay omegaz angmomx angmomy angmomz tqx tqy tqz quat1 quat2 quat3 quat4 (w x y z) shapex shapey shapez
         blockiness1 blockiness2 mol id_multisphere). Bodies (`compute multisphere property`): id_multisphere masstotal xcm[1]
         xcm[2] xcm[3] vcm[i] omega[i] angmom[i] quat[i] inertia[i] clumptype.
-    density: particle type -> density. dimension: 2 makes the mass of a particle that of a disc.
-    timestep: time of one step. units: word of the `units` command. atom_style: words of the `atom_style` command; empty: not known.
+    density: particle type -> density. unknown_density: why other types have none, for messages.
+    dimension: 2 makes the mass of a particle that of a disc. timestep: time of one step. units: word of the `units` command.
+    atom_style: words of the `atom_style` command; empty: not known.
     rigid: how particles belong to rigid bodies: "molecule" (LAMMPS fix rigid molecule), "multisphere" (LIGGGHTS), "none" (the deck
         has neither), None: nobody has said.
     templates: the clumps that the deck inserts. dumps: the deck's dump commands, for files without column names.
@@ -41,6 +42,7 @@ class Meanings:
     dimension: int = 3
     names: Mapping[str, str] = field(default_factory=dict)
     density: Mapping[int, float] = field(default_factory=dict)
+    unknown_density: tuple[str, ...] = ()
     rigid: Literal["molecule", "multisphere", "none"] | None = None
     templates: tuple[Template, ...] = ()
     dumps: tuple[DumpWords, ...] = ()

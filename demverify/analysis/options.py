@@ -28,7 +28,8 @@ def meanings_from(
         from demverify.deck.dictionary import read_dictionary
 
         dictionary = read_dictionary(deck, variables)
-        found, notes = dictionary.meanings, dictionary.passed_over
+        found = dictionary.meanings
+        notes = [note for note in dictionary.passed_over if not note.endswith(found.unknown_density)]  # told where one is needed
     if density is not None:
         found = replace(found, density={ANY_TYPE: _positive("density", density)})
     if timestep is not None:

@@ -229,20 +229,21 @@ def _density(frame: Frame, meanings: Meanings) -> Floats | None:
         return frame.columns["density"]
     if ANY_TYPE in meanings.density:
         return np.full(frame.n, meanings.density[ANY_TYPE])
-    if not meanings.density:
+    if not meanings.density and not meanings.unknown_density:
         return None
     if "type" not in frame.columns:
-        if len(set(meanings.density.values())) == 1:
+        if len(set(meanings.density.values())) == 1 and not meanings.unknown_density:
             return np.full(frame.n, next(iter(meanings.density.values())))
-        message = "the deck has several densities, by type, and the dump has no column type"
+        message = "the deck does not tell one density for all types, and the dump has no column type: give --density X"
         raise MissingColumnError(message)
     kinds = _integers(frame.columns["type"])
     unknown = sorted(set(np.unique(kinds).tolist()) - set(meanings.density))
     if unknown:
-        known = " ".join(map(str, sorted(meanings.density)))
-        message = f"the deck does not tell the density of type {unknown[0]} (known: {known}): give --density X or a dump with column mass"
+        known = f"known: {' '.join(map(str, sorted(meanings.density))) or 'none'}"
+        why = "; ".join((*meanings.unknown_density, "give --density X or a dump with column mass"))
+        message = f"the deck does not tell the density of type {unknown[0]} ({known}): {why}"
         raise MissingColumnError(message)
-    table = np.zeros(max(meanings.density) + 1)
+    table = np.zeros(max(meanings.density, default=0) + 1)
     table[list(meanings.density)] = list(meanings.density.values())
     return np.asarray(table[kinds])
 

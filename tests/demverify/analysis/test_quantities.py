@@ -75,8 +75,14 @@ def test_an_unknown_density_is_an_error() -> None:
     """Law: a type the deck says nothing of, or several types where the dump does not tell them, is an error, not a guess."""
     with pytest.raises(InputError, match=r"the density of type 3 \(known: 1 2\)"):
         row(frame(without(SPHERE, "mass", type=3)), Meanings(density={1: 1.0, 2: 2.0}))
-    with pytest.raises(InputError, match="several densities, by type, and the dump has no column type"):
+    with pytest.raises(InputError, match="does not tell one density for all types, and the dump has no column type"):
         row(frame(without(SPHERE, "mass")), Meanings(density={1: 1.0, 2: 2.0}))
+    doubtful = Meanings(density={1: 1.0}, unknown_density=("two values",))
+    with pytest.raises(InputError, match=r"the density of type 2 \(known: 1\): two values; give --density X"):
+        row(frame(without(SPHERE, "mass", type=2)), doubtful)
+    with pytest.raises(InputError, match=r"the density of type 1 \(known: none\): two values"):
+        row(frame(without(SPHERE, "mass", type=1)), Meanings(unknown_density=("two values",)))
+    assert row(frame(without(SPHERE, type=2)), doubtful).erotate == pytest.approx(ENERGY, rel=1e-15)
 
 
 def test_points_and_empty_frames_count_nothing() -> None:

@@ -127,6 +127,18 @@ def test_the_deck_is_the_dictionary(demverify: Call, write: Write) -> None:
     assert [row.split()[3] for row in named.out.splitlines()] == [row.split()[3] for row in done.out.splitlines()]
 
 
+def test_a_density_that_nobody_needs_is_no_news(demverify: Call, write: Write) -> None:
+    """Law: that the deck has two densities for a type is told where a dump without mass needs one, with the lines, and not else."""
+    deck = write(DECK + "run 1\nset type 1 density 7\nrun 1\n", "in.x")
+    done = demverify("erotate", write(dump(0), "d.dump"), "--deck", deck)
+    assert (done.status, done.err) == (0, "")
+    light = dump(0, columns="id type radius c_w[1] c_w[2] c_w[3]", rows="1 1 0.5 0 3 0\n2 1 0.5 0 0 1\n")
+    done = demverify("erotate", write(light, "l.dump"), "--deck", deck)
+    assert done.status == 2
+    assert "the density of type 1 is not known: " in done.err
+    assert "in.x:" in done.err
+
+
 @pytest.mark.parametrize(
     ("words", "message"),
     [
