@@ -39,6 +39,9 @@ def remarks(frame: Frame, meanings: Meanings) -> list[str]:
         found.append("particles of shape 1 1 1 without a column radius are taken for points, as in atom_style ellipsoid")
     if dialect == "liggghts" and "mass" not in has and not shaped and not meanings.atom_style and _in_a_plane(frame):
         found.append("nothing moves along z: if the deck says dimension 2, give it with --deck (discs have another mass than spheres)")
+    if {"mol", "id_multisphere"} <= has and not np.array_equal(frame.columns["mol"], frame.columns["id_multisphere"]):
+        cause = "a float format in dump_modify (register: liggghts-dump-format-integers)"
+        found.append(f"mol and id_multisphere differ, which LIGGGHTS writes the same: {cause}")
     return found
 
 

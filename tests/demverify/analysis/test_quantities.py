@@ -187,6 +187,7 @@ def test_a_body_number_that_was_printed_as_a_float_is_seen() -> None:
     spoilt = [without(SPHERE, id=i, mol=(i + 1) // 2, id_multisphere=2500, x=0.0, y=0.1 * i, z=0.0) for i in (1, 2, 3, 4)]
     found = energies_of(frame(*spoilt, dialect="liggghts"), Wanted(Meanings()))
     assert found.by_particle["multisphere"].id.tolist() == [1, 2]
+    assert [note for note in found.notes if "mol and id_multisphere differ" in note]
     with pytest.raises(InputError, match=r"a body has the number 0\.02: expected whole numbers"):
         row(frame(*[without(SPHERE, id=i, id_multisphere=0.02, x=0.1 * i, y=0.0, z=0.0) for i in (1, 2)]))
 
