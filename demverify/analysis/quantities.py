@@ -239,9 +239,9 @@ def _density(frame: Frame, meanings: Meanings) -> Floats | None:
     kinds = _integers(frame.columns["type"])
     unknown = sorted(set(np.unique(kinds).tolist()) - set(meanings.density))
     if unknown:
-        known = f"known: {' '.join(map(str, sorted(meanings.density))) or 'none'}"
-        why = "; ".join((*meanings.unknown_density, "give --density X or a dump with column mass"))
-        message = f"the deck does not tell the density of type {unknown[0]} ({known}): {why}"
+        known = " ".join(map(str, sorted(meanings.density)))
+        why = "; ".join(meanings.unknown_density) or f"the deck does not tell the density of type {unknown[0]} (known: {known})"
+        message = f"{why}: give --density X or a dump with column mass"
         raise MissingColumnError(message)
     table = np.zeros(max(meanings.density, default=0) + 1)
     table[list(meanings.density)] = list(meanings.density.values())

@@ -78,9 +78,9 @@ def test_an_unknown_density_is_an_error() -> None:
     with pytest.raises(InputError, match="does not tell one density for all types, and the dump has no column type"):
         row(frame(without(SPHERE, "mass")), Meanings(density={1: 1.0, 2: 2.0}))
     doubtful = Meanings(density={1: 1.0}, unknown_density=("two values",))
-    with pytest.raises(InputError, match=r"the density of type 2 \(known: 1\): two values; give --density X"):
+    with pytest.raises(InputError, match=r"two values: give --density X"):
         row(frame(without(SPHERE, "mass", type=2)), doubtful)
-    with pytest.raises(InputError, match=r"the density of type 1 \(known: none\): two values"):
+    with pytest.raises(InputError, match="two values: give --density X"):
         row(frame(without(SPHERE, "mass", type=1)), Meanings(unknown_density=("two values",)))
     assert row(frame(without(SPHERE, type=2)), doubtful).erotate == pytest.approx(ENERGY, rel=1e-15)
 
