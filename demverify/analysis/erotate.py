@@ -16,7 +16,7 @@ from demverify.analysis.options import meanings_from
 from demverify.analysis.series import Rows, Series, with_bodies
 from demverify.errors import InputError, Place
 from demverify.formats.dump import blocks_of, dump_files, has_names, read_block
-from demverify.formats.reading import AS_WRITTEN, Block, Reading
+from demverify.formats.reading import Block, Reading
 from demverify.formats.universe import frames_of_universe
 from demverify.frames import Frame
 
@@ -70,13 +70,9 @@ def parts_of_block(block: Block, request: Request) -> Iterator[Part]:
     rows = 0
     for frame in read_block(block, reading):
         try:
-            found = energies_of(frame, request.wanted)
-        except InputError:
-            present = _present(block, replace(AS_WRITTEN, columns=columns, names=reading.names))
-            try:
-                found = energies_of(frame, request.wanted, present)
-            except InputError as error:
-                raise InputError(error.message, error.place or Place(block.path)) from None
+            found = energies_of(frame, request.wanted, reading.seen)
+        except InputError as error:
+            raise InputError(error.message, error.place or Place(block.path)) from None
         frames.append(found if request.keep_particles else replace(found, by_particle={}))
         rows += 1 + found.row.n
         if rows >= _ROWS:
@@ -98,19 +94,6 @@ def _columns_of_deck(path: Path, meanings: Meanings) -> tuple[str, ...] | None:
         message = "several dumps of the deck, with different columns, could have written this file: name its columns with --columns"
         raise InputError(message, Place(path))
     return found.pop() if found else None
-
-
-def _present(block: Block, reading: Reading) -> list[str]:
-    """Every column that the file has, for a message."""
-    names: list[str] = []
-
-    class _Names(Reading):
-        def wanted(self, found: Sequence[str]) -> Sequence[str]:
-            names[:] = found
-            return []
-
-    next(read_block(block, _Names(reading.columns, reading.names)), None)
-    return names
 
 
 def erotate(

@@ -190,3 +190,11 @@ def test_memory_does_not_grow_with_the_number_of_frames(tmp_path: Path) -> None:
         )
         peaks.append(int(subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout))
     assert peaks[1] < peaks[0] + 10_000  # kB; 28 frames more are 18 MB of text and 22 MB of numbers
+
+
+def test_a_later_frame_with_other_columns(demverify: Call, write: Write) -> None:
+    """Law: the columns named in a message are those of the frame it is about."""
+    path = write(dump(0) + dump(10, columns="id type radius mass vx vy vz"), "d.dump")
+    done = demverify("erotate", path)
+    assert done.status == 2
+    assert done.err.strip().endswith("step 10: erotate/sphere needs the columns omegax omegay omegaz; the dump has id type radius mass vx vy vz")
