@@ -26,7 +26,8 @@ import numpy as np
 from MDAnalysis.analysis.base import AnalysisBase
 from MDAnalysis.analysis.results import Results, ResultsGroup
 
-from demverify.analysis.energies import SHAPES, Inertia, Row, Wanted
+from demverify.analysis.clumps import Inertia
+from demverify.analysis.energies import SHAPES, Row, Wanted
 from demverify.analysis.erotate import energies_as_written
 from demverify.analysis.options import meanings_from
 from demverify.errors import InputError

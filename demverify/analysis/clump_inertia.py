@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from demsolver.shapes.multisphere import Template
-from demsolver.shapes.union import union
+from demsolver.shapes.multisphere import Template, solid_of
 from demverify.frames import Floats
 
 MONTE_CARLO = 0.005
@@ -30,7 +29,7 @@ def diagnose(inertia: Floats, template: Template) -> str | None:
 
     Moments are compared as shares of their sum, which neither density nor the defect changes.
     """
-    exact = union(template.centre, template.radius).inertia
+    exact = solid_of(template).inertia
     moments = np.sort(np.atleast_2d(inertia), axis=1)
     moments = moments / moments.sum(axis=1, keepdims=True)
     off = _off(moments, exact)
@@ -45,7 +44,7 @@ def diagnose(inertia: Floats, template: Template) -> str | None:
 
 def forecast(template: Template) -> str | None:
     """One line on a clump whose moments LIGGGHTS 3.8.0 gets wrong: the run went by another inertia than that of its spheres. None: it does not."""
-    exact = union(template.centre, template.radius).inertia
+    exact = solid_of(template).inertia
     wrong = np.linalg.eigvalsh(liggghts_slip(exact))
     off = _off(np.atleast_2d(wrong / wrong.sum()), exact)
     if off <= MONTE_CARLO:

@@ -11,16 +11,15 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, fields, replace
-from functools import lru_cache
 from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from demsolver.computes.population import Population, RigidBodies
-from demsolver.shapes.multisphere import Template
+from demsolver.shapes.multisphere import Template, solid_of
 from demsolver.shapes.rotation import quaternion
-from demsolver.shapes.union import Solid, steiner, union
+from demsolver.shapes.union import steiner
 from demverify.analysis.congruence import Placed, Tolerance, alike, by_template
 from demverify.analysis.meanings import Meanings
 from demverify.analysis.needed import POSITIONS
@@ -103,8 +102,9 @@ def rigid_bodies(
 
 def _engine(frame: Frame, meanings: Meanings) -> Literal["lammps", "liggghts"]:
     """Whose conventions hold; of a file that does not show it, LIGGGHTS' where bodies are its multispheres."""
-    if meanings.dialect or frame.dialect:
-        return meanings.dialect or frame.dialect or "lammps"
+    dialect = meanings.dialect_of(frame)
+    if dialect is not None:
+        return dialect
     return "liggghts" if meanings.rigid == "multisphere" or "id_multisphere" in frame.columns else "lammps"
 
 
@@ -188,7 +188,7 @@ def _unions(members: _Members, templates: tuple[Template, ...], conventions: _Co
     m = len(members.body)
     bodies = _Bodies(np.empty(m), np.empty((m, 3)), np.empty((m, 3, 3)))
     for kind in _kinds(members, templates):
-        solid = _solid(kind.template)
+        solid = solid_of(kind.template)
         mass = _mass_of_union(members.rows(kind.rows), kind.template.density, solid.volume, conventions)
         bodies.mass[kind.rows] = mass
         bodies.x[kind.rows] = kind.points(solid.centroid)
@@ -210,15 +210,6 @@ def _kinds(members: _Members, templates: tuple[Template, ...]) -> list[Placed]:
         )
         raise InputError(message)
     return kinds
-
-
-def _solid(template: Template) -> Solid:
-    return _union_of(template.centre.tobytes(), template.radius.tobytes())
-
-
-@lru_cache(maxsize=64)
-def _union_of(centre: bytes, radius: bytes) -> Solid:
-    return union(np.frombuffer(centre).reshape(-1, 3), np.frombuffer(radius))
 
 
 def _mass_of_union(members: _Members, density: float | None, volume: float, conventions: _Conventions) -> Floats:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import lru_cache
 
 import numpy as np
 
@@ -22,7 +21,7 @@ def doubts(inertia: Floats, clumptype: Floats | None, templates: Sequence[Templa
     found = []
     for i in kinds if templates else ():
         own = [template for template in templates if clumptype is None or template.kind == clumptype[i]]
-        told = [_doubt(inertia[i].tobytes(), t.centre.tobytes(), t.radius.tobytes(), t.kind) for t in own]
+        told = [diagnose(inertia[i], template) for template in own]
         if told and None not in told:
             found.append(min(map(str, told), key=len))
     return found
@@ -30,7 +29,7 @@ def doubts(inertia: Floats, clumptype: Floats | None, templates: Sequence[Templa
 
 def remarks(frame: Frame, meanings: Meanings) -> list[str]:
     """One line for each thing that a dump of particles does not tell and that was taken for granted."""
-    has, dialect = frame.columns.keys(), meanings.dialect or frame.dialect
+    has, dialect = frame.columns.keys(), meanings.dialect_of(frame)
     shaped, both = "shapex" in has, {"omegax", "angmomx"} <= has
     found = []
     if dialect == "liggghts" and shaped and not both and not {"blockiness1", "roundness1"} & has:
@@ -50,18 +49,7 @@ def _in_a_plane(frame: Frame) -> bool:
     return len(still) == 3 and frame.n > 0 and not any(values.any() for values in still) and bool(frame.columns["omegaz"].any())
 
 
-@lru_cache(maxsize=64)
-def _forecast(centre: bytes, radius: bytes, kind: int) -> str | None:
-    return forecast(Template(np.frombuffer(centre).reshape(-1, 3), np.frombuffer(radius), None, kind))
-
-
 def forecasts(templates: Sequence[Template]) -> list[str]:
     """One line for each clump whose inertia LIGGGHTS 3.8.0 gets wrong."""
-    told = [_forecast(t.centre.tobytes(), t.radius.tobytes(), t.kind) for t in templates]
+    told = [forecast(template) for template in templates]
     return [line for line in told if line]
-
-
-@lru_cache(maxsize=4096)
-def _doubt(inertia: bytes, centre: bytes, radius: bytes, kind: int) -> str | None:
-    template = Template(np.frombuffer(centre).reshape(-1, 3), np.frombuffer(radius), None, kind)
-    return diagnose(np.frombuffer(inertia), template)

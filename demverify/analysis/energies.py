@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from demsolver.computes.erotate import LAST, children, erotate_by_shape
 from demsolver.computes.ke import ke
 from demsolver.computes.population import Energies, Population, RigidBodies
-from demverify.analysis.clumps import rigid_bodies
+from demverify.analysis.clumps import Inertia, rigid_bodies
 from demverify.analysis.doubts import doubts, forecasts, remarks
 from demverify.analysis.meanings import Meanings
 from demverify.analysis.quantities import bodies_of, check_complete, population_of
@@ -22,7 +22,6 @@ from demverify.frames import Floats, Frame
 
 SHAPES = (LAST, *(shape for shape, _ in children() if shape != LAST))
 """Every shape that has a compute: sphere, multisphere, superquadric ..."""
-Inertia = Literal["union", "spheres"]
 _MVV2E = {"real": 48.88821291**2, "metal": 1.0364269e-4, "electron": 1.06657236}
 """Mass times velocity squared to energy, in units where that is not 1 (LAMMPS, update.cpp)."""
 _NAMED = 3  # particles a note names
@@ -99,7 +98,7 @@ def energies_of(frame: Frame, wanted: Wanted, present: Sequence[str] = ()) -> Fr
             population = _sound(population_of(frame, wanted.meanings, halfstep=wanted.halfstep), frame.step, notes, spoilt)
             population = _with_bodies(population, frame, wanted)
             notes += remarks(frame, wanted.meanings)
-            if population.bodies and (wanted.meanings.dialect or frame.dialect) == "liggghts":
+            if population.bodies and wanted.meanings.dialect_of(frame) == "liggghts":
                 notes += forecasts(wanted.meanings.templates)
             check_complete(population, list(present or frame.columns))
         found = dict(erotate_by_shape(population))

@@ -9,7 +9,8 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, cast
 
-from demverify.analysis.energies import FrameEnergies, Inertia, Wanted, energies_of
+from demverify.analysis.clumps import Inertia
+from demverify.analysis.energies import FrameEnergies, Wanted, energies_of
 from demverify.analysis.meanings import Meanings
 from demverify.analysis.needed import NeededColumns
 from demverify.analysis.options import meanings_from

@@ -8,6 +8,7 @@ from typing import Literal
 
 from demsolver.shapes.multisphere import Template
 from demverify.deck.setup import Dialect
+from demverify.frames import Frame
 
 
 @dataclass(frozen=True)
@@ -46,3 +47,7 @@ class Meanings:
     rigid: Literal["molecule", "multisphere", "none"] | None = None
     templates: tuple[Template, ...] = ()
     dumps: tuple[DumpWords, ...] = ()
+
+    def dialect_of(self, frame: Frame) -> Dialect | None:
+        """Whose words a frame's columns are: the deck's, else what the file shows; None: nobody says."""
+        return self.dialect or frame.dialect

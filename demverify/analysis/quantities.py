@@ -56,7 +56,7 @@ def population_of(frame: Frame, meanings: Meanings, *, halfstep: bool = False) -
         computes erotate/sphere and ke.
     Raises InputError where the meaning of a column cannot be told, and MissingColumnError where `halfstep` lacks a column or the step.
     """
-    dialect = meanings.dialect or frame.dialect
+    dialect = meanings.dialect_of(frame)
     omega, angmom = xyz(frame, "omega"), xyz(frame, "angmom")
     quat = vector(frame, ("quat1", "quat2", "quat3", "quat4"))
     shape, radius = _shape(frame, dialect, quat, angmom), _radius(frame)
@@ -220,7 +220,7 @@ def _mass(frame: Frame, meanings: Meanings, radius: Floats | None, shape: Floats
         return density * whole
     if radius is None:
         return None
-    discs = meanings.dimension == 2 and (meanings.dialect or frame.dialect) == "liggghts"  # LAMMPS takes discs for spheres here
+    discs = meanings.dimension == 2 and meanings.dialect_of(frame) == "liggghts"  # LAMMPS takes discs for spheres here
     return density * volume(radius, 2 if discs else 3)
 
 
