@@ -8,8 +8,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from demsolver import contact
 from demsolver.scene import ContactLaw, Cylinder, Scene, Wall
-from demsolver.specialise import keeps_history
 
 FRICTION = "liggghts_history"
 
@@ -27,7 +27,7 @@ def under_liggghts_rules(scene: Scene, other: Scene) -> Scene:
 
 
 def _law(law: ContactLaw) -> ContactLaw:
-    friction = FRICTION if keeps_history(law) else law.friction
+    friction = FRICTION if law.friction != "none" and contact.memory("friction", law.friction) else law.friction
     return replace(law, friction=friction, surface_arm="contact", torque_arm="contact")
 
 

@@ -260,7 +260,9 @@ def _energies(run: Run, known: Plan) -> EnergySeries:
     energies = np.array([of(frame) for frame in run.frames])
     values: dict[str, Any] = {"ke": energies[:, 0], "erotate": energies[:, 1]}
     if len(run.budgets) == len(run.frames):
-        names = ("elastic_normal", "elastic_tangential", "gravitational", "damped", "rubbed", "dragged", "total")
+        names = (
+            "elastic_normal", "elastic_tangential", "elastic_rolling", "gravitational", "damped", "rubbed", "rolled", "dragged", "total",
+        )  # fmt: skip
         budget = {name: np.array([getattr(b, name) for _, _, b in run.budgets]) for name in names}
         for name in ("gravitational", "total"):  # from the start on: where its zero lies depends on image flags, which decks may leave out
             budget[name] = budget[name] - run.budgets[0][2].gravitational

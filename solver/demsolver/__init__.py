@@ -12,11 +12,13 @@ from demsolver.scene import (
     ContactLaw,
     Cylinder,
     Enforce2D,
+    EulerSphere,
     Freeze,
     Gravity,
     Neighbor,
     NveSphere,
     Particles,
+    Plane,
     Scene,
     SetForce,
     Slab,
@@ -26,6 +28,6 @@ from demsolver.scene import (
 from demsolver.simulate import EnergyBudget, LostParticles, Simulation, Unstable
 
 __all__ = [
-    "Box", "ContactLaw", "Cylinder", "EnergyBudget", "Enforce2D", "Freeze", "Gravity", "LostParticles", "Neighbor", "NveSphere", "Particles",
-    "Scene", "SetForce", "Simulation", "Slab", "Unstable", "Viscous", "Wall",
+    "Box", "ContactLaw", "Cylinder", "EnergyBudget", "Enforce2D", "EulerSphere", "Freeze", "Gravity", "LostParticles", "Neighbor", "NveSphere",
+    "Particles", "Plane", "Scene", "SetForce", "Simulation", "Slab", "Unstable", "Viscous", "Wall",
 ]  # fmt: skip

@@ -3,22 +3,29 @@
 This file is read as text and placed behind a generated header, which binds, as globals of the new module:
 
     compiled, threaded, entry  the compiler; the same with parallel loops when the scene runs on several threads; for what Python calls
-    pair_contact, pair_stored  force and stored energy of the scene's pair law, put together from demsolver/contact
+    pair_contact, pair_stored, pair_reach  force and stored energy of the scene's pair law, put together from demsolver/contact; how far beyond
+                               touching a contact goes on
     wall_forces, wall_stored   all walls of the scene, one after another
+    move_walls                 carries moving planes on by a step
     field_forces               gravity, freeze, ... of the scene in their order
-    PAIRS, FRICTION, HISTORY, OUTLIVES, BUDGET, PERIODIC, FROZEN, VIRIAL, THREADED, SURFACE_CONTACT, TORQUE_CONTACT: constants; what is False costs nothing
+    PAIRS, FRICTION, ROLLING, BEYOND, OUTLIVES, BUDGET, PERIODIC, FROZEN, VIRIAL, THREADED, SURFACE_CONTACT, TORQUE_CONTACT, SHIFTING, MOVING,
+    VERLET: constants; what is False costs nothing. BASE: columns of memory that the pair law has.
 
 Velocity Verlet as LAMMPS does it: contact forces of step n see x(n) and the velocities of step n - 1/2 (at set-up: of step n).
 
     v += dt/2m F;  omega += dt/2I T;  x += dt v;  F, T = forces(x, v, omega);  v += dt/2m F;  omega += dt/2I T
 
+Semi-implicit Euler (not VERLET) is the same with one whole kick; its velocities of step n are those that brought x(n) about.
+
+    v += dt/m F;  omega += dt/I T;  x += dt v;  F, T = forces(x, v, omega)
+
 A pair across a periodic face is listed twice, once for each particle, with the image of the other: the engines compute it so (newton off),
 and only then are forces the same to rounding. Bits of touching: 1 in contact at the last step; 2 (OUTLIVES) since the list was built.
 
-Memory columns of a contact: 0-2 the tangential history s; with BUDGET also what took energy in the last step: 3-5 the normal damping
-force, 6-8 the tangential force, 9-11 and 12-14 the torques on both sides.
-Tally: 0 work of the normal damping, 1 work of the tangential force, 2 work of viscous drag; negative while they take energy.
-With VIRIAL: 3 the sum of r.F over the pairs of the last force evaluation.
+Memory columns of a contact: first BASE columns of the law's own; with BUDGET also what took energy in the last step: three columns each of the
+normal damping force, the tangential force, its torques on both sides, the rolling torques on both sides.
+Tally: 0 work of the normal damping, 1 work of the tangential force, 2 work of viscous drag, 4 work of the rolling torques; negative while they
+take energy. With VIRIAL: 3 the sum of r.F over the pairs of the last force evaluation.
 """
 
 # ruff: noqa: F821
@@ -29,23 +36,34 @@ from numba import prange
 
 
 @compiled
-def spend(memory, k, now, vx, vy, vz, w, i, j, half_dt, tally):
+def spend(memory, k, base, now, vx, vy, vz, w, i, j, half_dt, tally):
     """Work of one step on a contact by the trapezoid rule (order dt^2): half by the forces of the last step, half by today's `now`."""
     tally[0] += half_dt * (
-        (memory[k, 3] + now[0]) * vx + (memory[k, 4] + now[1]) * vy + (memory[k, 5] + now[2]) * vz
+        (memory[k, base] + now[0]) * vx + (memory[k, base + 1] + now[1]) * vy + (memory[k, base + 2] + now[2]) * vz
     )
-    tally[1] += half_dt * (
-        (memory[k, 6] + now[3]) * vx + (memory[k, 7] + now[4]) * vy + (memory[k, 8] + now[5]) * vz
-        + (memory[k, 9] + now[6]) * w[i, 0] + (memory[k, 10] + now[7]) * w[i, 1] + (memory[k, 11] + now[8]) * w[i, 2]
-        + (memory[k, 12] + now[9]) * w[j, 0] + (memory[k, 13] + now[10]) * w[j, 1] + (memory[k, 14] + now[11]) * w[j, 2]
-    )
+    rubbing = (memory[k, base + 3] + now[3]) * vx + (memory[k, base + 4] + now[4]) * vy + (memory[k, base + 5] + now[5]) * vz
+    rolling = 0.0
+    for c in range(3):
+        rubbing += (memory[k, base + 6 + c] + now[6 + c]) * w[i, c] + (memory[k, base + 9 + c] + now[9 + c]) * w[j, c]
+        rolling += (memory[k, base + 12 + c] + now[12 + c]) * w[i, c] + (memory[k, base + 15 + c] + now[15 + c]) * w[j, c]
+    tally[1] += half_dt * rubbing
+    tally[4] += half_dt * rolling
 
 
 @compiled
-def remember(memory, k, now):
+def remember(memory, k, base, now):
     """Keep today's forces for the work of the next step."""
-    for c in range(12):
-        memory[k, 3 + c] = now[c]
+    for c in range(18):
+        memory[k, base + c] = now[c]
+
+
+@compiled
+def settle(memory, k, base, vx, vy, vz, w, i, j, half_dt, advance, tally):
+    """The last work on a contact that has ended."""
+    rest = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    if advance:
+        spend(memory, k, base, rest, vx, vy, vz, w, i, j, half_dt, tally)
+    remember(memory, k, base, rest)
 
 
 @compiled
@@ -70,15 +88,17 @@ def pair_forces(start, stop, b, p, shifts, coefficients, ntypes, dt, advance, fo
             rj = radius[j]
             square = dx * dx + dy * dy + dz * dz
             reach = ri + rj
-            if square >= reach * reach:
+            row = b.kind[i] * ntypes + b.kind[j]
+            beyond = reach
+            if BEYOND and p.touching[k] & 1:
+                beyond += pair_reach(ri * rj / reach, coefficients, row)
+            if square >= beyond * beyond:
                 if p.touching[k] & 1:
                     if BUDGET:
-                        rest = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-                        if advance:
-                            spend(p.memory, k, rest, v[i, 0] - v[j, 0], v[i, 1] - v[j, 1], v[i, 2] - v[j, 2], w, i, j, half_dt, tally)
-                        remember(p.memory, k, rest)
-                    if HISTORY and not OUTLIVES:
-                        p.memory[k, 0] = p.memory[k, 1] = p.memory[k, 2] = 0.0
+                        settle(p.memory, k, BASE, v[i, 0] - v[j, 0], v[i, 1] - v[j, 1], v[i, 2] - v[j, 2], w, i, j, half_dt, advance, tally)
+                    if not OUTLIVES:
+                        for c in range(BASE):
+                            p.memory[k, c] = 0.0
                     p.touching[k] = 2 if OUTLIVES else 0
                 continue
             p.touching[k] = 3 if OUTLIVES else 1
@@ -102,15 +122,28 @@ def pair_forces(start, stop, b, p, shifts, coefficients, ntypes, dt, advance, fo
             tx = vx - vn * nx - (wy * nz - wz * ny)
             ty = vy - vn * ny - (wz * nx - wx * nz)
             tz = vz - vn * nz - (wx * ny - wy * nx)
-            row = b.kind[i] * ntypes + b.kind[j]
-            sx = sy = sz = 0.0
-            if HISTORY:
-                sx, sy, sz = p.memory[k, 0], p.memory[k, 1], p.memory[k, 2]
-            fn, damping, fx, fy, fz, sx, sy, sz = pair_contact(
-                overlap, ri * rj / reach, meff, vn, nx, ny, nz, tx, ty, tz, sx, sy, sz, dt, advance, coefficients, row
+            inertia = 0.0
+            ux = uy = uz = 0.0
+            if ROLLING:
+                inertia = 1.4 / (1.0 / (mass[i] * ri * ri) + 1.0 / (mass[j] * rj * rj))
+                ux, uy, uz = w[i, 0] - w[j, 0], w[i, 1] - w[j, 1], w[i, 2] - w[j, 2]
+            fn, damping, fx, fy, fz, qx, qy, qz, shift, loss = pair_contact(
+                p.memory, k, overlap, ri, 1.0 / rj, ri * rj / reach, meff, inertia, 1.0, vn, nx, ny, nz, tx, ty, tz, ux, uy, uz, dt, advance,
+                coefficients, row,
             )
-            if HISTORY:
-                p.memory[k, 0], p.memory[k, 1], p.memory[k, 2] = sx, sy, sz
+            if SHIFTING:
+                if b.drift[i] > 0.0 and not b.frozen[i]:
+                    give = shift * meff / mass[i]
+                    b.shift[i, 0] += give * nx
+                    b.shift[i, 1] += give * ny
+                    b.shift[i, 2] += give * nz
+                if both and b.drift[j] > 0.0 and not b.frozen[j]:
+                    give = shift * meff / mass[j]
+                    b.shift[j, 0] -= give * nx
+                    b.shift[j, 1] -= give * ny
+                    b.shift[j, 2] -= give * nz
+                if advance:
+                    tally[0] -= loss if both else 0.5 * loss
             force[i, 0] += fn * nx + fx
             force[i, 1] += fn * ny + fy
             force[i, 2] += fn * nz + fz
@@ -134,26 +167,35 @@ def pair_forces(start, stop, b, p, shifts, coefficients, ntypes, dt, advance, fo
                     torque[j, 0] -= aj * cx
                     torque[j, 1] -= aj * cy
                     torque[j, 2] -= aj * cz
+            share_j = 1.0
+            if ROLLING:
+                share_j = pair_rolling_share(ri, rj)
+                torque[i, 0] += qx
+                torque[i, 1] += qy
+                torque[i, 2] += qz
+                if both:
+                    torque[j, 0] -= share_j * qx
+                    torque[j, 1] -= share_j * qy
+                    torque[j, 2] -= share_j * qz
             if BUDGET:
                 now = (
                     damping * nx, damping * ny, damping * nz, fx, fy, fz,
                     -ai * (ny * fz - nz * fy), -ai * (nz * fx - nx * fz), -ai * (nx * fy - ny * fx),
                     -aj * (ny * fz - nz * fy), -aj * (nz * fx - nx * fz), -aj * (nx * fy - ny * fx),
+                    qx, qy, qz, -share_j * qx, -share_j * qy, -share_j * qz,
                 )
                 if advance:
-                    spend(p.memory, k, now, vx, vy, vz, w, i, j, half_dt, tally)
-                remember(p.memory, k, now)
+                    spend(p.memory, k, BASE, now, vx, vy, vz, w, i, j, half_dt, tally)
+                remember(p.memory, k, BASE, now)
 
 
 @compiled
-def wall_parting(i, wvx, wvy, wvz, b, memory, dt, advance, tally):
+def wall_parting(i, base, wvx, wvy, wvz, b, memory, dt, advance, tally):
     """A wall forgets a particle as soon as they part."""
     if BUDGET:
-        rest = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-        if advance:
-            spend(memory, i, rest, b.v[i, 0] - wvx, b.v[i, 1] - wvy, b.v[i, 2] - wvz, b.omega, i, i, 0.5 * dt, tally)
-        remember(memory, i, rest)
-    memory[i, 0] = memory[i, 1] = memory[i, 2] = 0.0
+        settle(memory, i, base, b.v[i, 0] - wvx, b.v[i, 1] - wvy, b.v[i, 2] - wvz, b.omega, i, i, 0.5 * dt, advance, tally)
+    for c in range(base):
+        memory[i, c] = 0.0
 
 
 @compiled
@@ -201,10 +243,12 @@ def shared_pair_forces(b, p, shifts, coefficients, ntypes, dt, advance, force, t
 def forces(b, p, shifts, coefficients, ntypes, walls, fields, dt, advance, parts, tallies):
     """Force and torque of every particle, written to b.force and b.torque.
 
-    parts: (t, 2, n, 3) scratch of t threads. tallies: (t, 4).
+    parts: (t, 2, n, 3) scratch of t threads. tallies: (t, 5).
     """
     b.force[:] = 0.0
     b.torque[:] = 0.0
+    if SHIFTING:
+        b.shift[:] = 0.0
     if VIRIAL:
         tallies[:, 3] = 0.0
     if PAIRS:
@@ -218,23 +262,25 @@ def forces(b, p, shifts, coefficients, ntypes, walls, fields, dt, advance, parts
 
 @compiled
 def kick(b):
-    """Half a step of acceleration."""
+    """A step (Verlet: half of it) of acceleration."""
     for i in range(b.x.shape[0]):
         for c in range(3):
-            b.v[i, c] += b.half_kick[i] * b.force[i, c]
-            b.omega[i, c] += b.half_spin[i] * b.torque[i, c]
+            b.v[i, c] += b.kick[i] * b.force[i, c]
+            b.omega[i, c] += b.spin[i] * b.torque[i, c]
 
 
 @compiled
 def kick_drift(b):
-    """Half a step of acceleration and a step of motion; the largest squared way since the list was built."""
+    """A kick and a step of motion; the largest squared way since the list was built."""
     farthest = 0.0
     for i in range(b.x.shape[0]):
         way = 0.0
         for c in range(3):
-            b.v[i, c] += b.half_kick[i] * b.force[i, c]
-            b.omega[i, c] += b.half_spin[i] * b.torque[i, c]
+            b.v[i, c] += b.kick[i] * b.force[i, c]
+            b.omega[i, c] += b.spin[i] * b.torque[i, c]
             b.x[i, c] += b.drift[i] * b.v[i, c]
+            if SHIFTING:
+                b.x[i, c] += b.shift[i, c]
             way += (b.x[i, c] - b.held[i, c]) ** 2
         farthest = max(farthest, way)
     return farthest
@@ -254,47 +300,52 @@ def run_steps(start, steps, age, rhythm, b, p, shifts, coefficients, ntypes, wal
             if done == steps:
                 return done, age, False
             farthest = kick_drift(b)
+            if MOVING:
+                move_walls(walls, dt)
             age += 1
             if age >= delay and age % every == 0 and (not check or farthest > reach):
                 return done, age, True
         forces(b, p, shifts, coefficients, ntypes, walls, fields, dt, start != 2, parts, tallies)
         if start == 2:
             return done, age, False
-        kick(b)
+        if VERLET:
+            kick(b)
         done += 1
         start = 0
 
 
 @entry
-def stored(b, p, shifts, coefficients, ntypes, walls):
-    """Elastic energy in all contacts: (normal, tangential), at the current positions and histories."""
-    normal = tangential = 0.0
+def stored(b, p, shifts, coefficients, ntypes, walls, dt):
+    """Elastic energy in all contacts: (normal, tangential, rolling), at the current positions and histories."""
+    normal = tangential = rolling = 0.0
     if PAIRS:
         for i in range(b.x.shape[0]):
             for k in range(p.first[i], p.first[i + 1]):
                 j = p.partner[k]
-                square = 0.0
+                square = vn = 0.0
                 for c in range(3):
                     d = b.x[i, c] - b.x[j, c]
                     if PERIODIC:
                         d -= shifts[p.shift[k], c]
                     square += d * d
+                    vn += d * (b.v[i, c] - b.v[j, c])
                 reach = b.radius[i] + b.radius[j]
-                if square < reach * reach:
-                    overlap = reach - sqrt(square)
+                if square < reach * reach or (BEYOND and p.touching[k] & 1):
+                    distance = sqrt(square)
                     meff = b.mass[i] * b.mass[j] / (b.mass[i] + b.mass[j])
                     if FROZEN:
                         if b.frozen[i]:
                             meff = b.mass[j]
                         elif b.frozen[j]:
                             meff = b.mass[i]
-                    s = 0.0
-                    if HISTORY:
-                        s = p.memory[k, 0] ** 2 + p.memory[k, 1] ** 2 + p.memory[k, 2] ** 2
                     row = b.kind[i] * ntypes + b.kind[j]
-                    en, et = pair_stored(overlap, b.radius[i] * b.radius[j] / reach, meff, s, coefficients, row)
+                    en, et, er = pair_stored(
+                        p.memory, k, reach - distance, b.radius[i], 1.0 / b.radius[j], b.radius[i] * b.radius[j] / reach, meff, vn / distance, dt,
+                        coefficients, row,
+                    )
                     part = 0.5 if PERIODIC and p.shift[k] != HOME else 1.0
                     normal += part * en
                     tangential += part * et
-    en, et = wall_stored(b, walls)
-    return normal + en, tangential + et
+                    rolling += part * er
+    en, et, er = wall_stored(b, walls, dt)
+    return normal + en, tangential + et, rolling + er

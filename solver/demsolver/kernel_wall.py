@@ -17,20 +17,27 @@ def wall_force(i, nx, ny, nz, overlap, reff, wvx, wvy, wvz, b, memory, coefficie
     tx = vx - vn * nx - arm * (w[i, 1] * nz - w[i, 2] * ny)
     ty = vy - vn * ny - arm * (w[i, 2] * nx - w[i, 0] * nz)
     tz = vz - vn * nz - arm * (w[i, 0] * ny - w[i, 1] * nx)
-    fn, damping, fx, fy, fz, sx, sy, sz = wall_contact(
-        overlap, reff, b.mass[i], vn, nx, ny, nz, tx, ty, tz, memory[i, 0], memory[i, 1], memory[i, 2], dt, advance, coefficients, b.kind[i]
+    fn, damping, fx, fy, fz, rx, ry, rz, shift, loss = wall_contact(
+        memory, i, overlap, b.radius[i], 0.0, reff, b.mass[i], 1.4 * b.mass[i] * b.radius[i] * b.radius[i],
+        (b.radius[i] - 0.5 * overlap) / (b.radius[i] - overlap), vn, nx, ny, nz, tx, ty, tz, w[i, 0], w[i, 1], w[i, 2], dt, advance, coefficients,
+        b.kind[i],
     )
-    memory[i, 0], memory[i, 1], memory[i, 2] = sx, sy, sz
     arm = b.radius[i] - 0.5 * overlap if TORQUE_CONTACT else b.radius[i]
     qx, qy, qz = -arm * (ny * fz - nz * fy), -arm * (nz * fx - nx * fz), -arm * (nx * fy - ny * fx)
     b.force[i, 0] += fn * nx + fx
     b.force[i, 1] += fn * ny + fy
     b.force[i, 2] += fn * nz + fz
-    b.torque[i, 0] += qx
-    b.torque[i, 1] += qy
-    b.torque[i, 2] += qz
-    if BUDGET:
-        now = (damping * nx, damping * ny, damping * nz, fx, fy, fz, qx, qy, qz, 0.0, 0.0, 0.0)
+    b.torque[i, 0] += qx + rx
+    b.torque[i, 1] += qy + ry
+    b.torque[i, 2] += qz + rz
+    if SHIFTING:
+        b.shift[i, 0] += shift * nx
+        b.shift[i, 1] += shift * ny
+        b.shift[i, 2] += shift * nz
         if advance:
-            spend(memory, i, now, vx, vy, vz, w, i, i, 0.5 * dt, tally)
-        remember(memory, i, now)
+            tally[0] -= loss
+    if BUDGET:
+        now = (damping * nx, damping * ny, damping * nz, fx, fy, fz, qx, qy, qz, 0.0, 0.0, 0.0, rx, ry, rz, 0.0, 0.0, 0.0)
+        if advance:
+            spend(memory, i, BASE, now, vx, vy, vz, w, i, i, 0.5 * dt, tally)
+        remember(memory, i, BASE, now)

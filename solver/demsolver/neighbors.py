@@ -161,8 +161,9 @@ def _rows(n, x, radius, cell, keys, places, owner, shift, owner_radius, skin, ex
 
 
 @njit(cache=True, error_model="numpy")
-def carry(old: Any, new: Any, wraps: Ints, outlives: bool, b: Any, shifts: Floats) -> None:
-    """Hands the memory of the old list to the new one. `wraps` (n, 3): periodic wraps since the old list.
+def carry(old: Any, new: Any, wraps: Ints, outlives: bool, signs: Floats, b: Any, shifts: Floats) -> None:
+    """Hands the memory of the old list to the new one. `wraps` (n, 3): periodic wraps since the old list. `signs` (m,): of the columns of
+    the law's memory when the particles change places.
 
     What touched at the last step goes over (LAMMPS). With `outlives`, what has touched since the last list goes over, but its
     tangential history only if the pair overlaps now (LIGGGHTS).
@@ -175,30 +176,32 @@ def carry(old: Any, new: Any, wraps: Ints, outlives: bool, b: Any, shifts: Float
                 c = code // 3 % 3 - 1 - wraps[i, 1] + wraps[j, 1]
                 d = code % 3 - 1 - wraps[i, 2] + wraps[j, 2]
                 moved = ((a + 1) * 3 + c + 1) * 3 + d + 1
-                _hand_over(old, k, new, i, j, moved, False, outlives, b, shifts)
+                _hand_over(old, k, new, i, j, moved, False, outlives, signs, b, shifts)
                 if code == HOME and moved != HOME:
-                    _hand_over(old, k, new, j, i, 26 - moved, True, outlives, b, shifts)
+                    _hand_over(old, k, new, j, i, 26 - moved, True, outlives, signs, b, shifts)
 
 
 @njit(error_model="numpy")
-def _hand_over(old, k, new, i, j, code, turned, outlives, b, shifts):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+def _hand_over(old, k, new, i, j, code, turned, outlives, signs, b, shifts):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
     """Memory of old pair k to the pair (i, j, code) of the new list; `turned`: as the partner felt it."""
     for q in range(new.first[i], new.first[i + 1]):
         if new.partner[q] != j or new.shift[q] != code:
             continue
         new.touching[q] = old.touching[k]
-        sign = -1.0 if turned else 1.0
-        columns = old.memory.shape[1]
-        for c in range(min(9, columns)):
-            new.memory[q, c] = sign * old.memory[k, c]
-        for c in range(9, columns):
-            new.memory[q, c] = old.memory[k, (c - 9 + 3) % 6 + 9] if turned else old.memory[k, c]
+        base, columns = len(signs), old.memory.shape[1]
+        for c in range(base):
+            new.memory[q, c] = signs[c] * old.memory[k, c] if turned else old.memory[k, c]
+        for c in range(base, columns):  # the budget's: forces change sign, torques change sides
+            if turned:
+                new.memory[q, c] = -old.memory[k, c] if c < base + 6 else old.memory[k, (c - base + 3) % 6 + c - (c - base) % 6]
+            else:
+                new.memory[q, c] = old.memory[k, c]
         if outlives:
             square = 0.0
             for c in range(3):
                 square += (b.x[i, c] - (b.x[j, c] + shifts[code, c])) ** 2
             if square >= (b.radius[i] + b.radius[j]) ** 2:
                 new.touching[q] &= 1
-                for c in range(3):
+                for c in range(base):
                     new.memory[q, c] = 0.0
         return

@@ -16,12 +16,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from demsolver import contact
-from demsolver.scene import Box, ContactLaw, Cylinder, Freeze, Scene, Slab, Wall
+from demsolver.bind_law import in_use
+from demsolver.scene import Box, ContactLaw, Cylinder, Freeze, Plane, Scene, Slab, Wall
 
 Floats = NDArray[np.float64]
 Key = tuple[str, int, int]
 History = Mapping[Key, Floats]
-"""Tangential memory (3,) of each contact: ("pair", i, j), i < j, as felt by i; (wall name, its number, i). Rows from 0."""
+"""Memory (m,) of the law of each contact: ("pair", i, j), i < j, as felt by i; (wall name, its number, i). Rows from 0. A contact that is
+there has an entry, also where its law remembers nothing."""
 
 TOUCHING = 1e-200  # overlap offered to the laws at exactly zero gap, so that secant stiffnesses have their limit
 
@@ -29,7 +31,8 @@ TOUCHING = 1e-200  # overlap offered to the laws at exactly zero gap, so that se
 @dataclass(frozen=True)
 class Touch:
     """One contact as particle i feels it. n: (3,) unit normal towards i. v: (3,) velocity against the partner's centre or the
-    wall. spin: (3,) sum of arm times omega. partner: row of the other particle, or None."""
+    wall. spin: (3,) sum of arm times omega. w: (3,) omega less the partner's. partner: row of the other particle, or None. radius: of i;
+    partner_radius: inf for a wall."""
 
     key: Key
     law: ContactLaw
@@ -42,6 +45,23 @@ class Touch:
     meff: float
     v: Floats
     spin: Floats
+    w: Floats
+    radius: float
+    partner_radius: float
+    rolling_inertia: float
+
+
+@dataclass(frozen=True)
+class Action:
+    """What one contact does to particle i: normal force, tangential force (3,), rolling and twisting torque (3,), correction of the overlap
+    by a step law, the energy that step takes, and the new memory of the law."""
+
+    normal: float
+    tangential: Floats
+    rolling: Floats
+    shift: float
+    loss: float
+    memory: Floats
 
 
 def forces(
@@ -56,45 +76,63 @@ def forces(
     kept = dict(history) if scene.history_outlives_contact else {}
     new = {key: s for key, s in kept.items() if key[0] == "pair"}
     radius = scene.particles.radius
-    for touch in _touches(scene, x, v, omega):
-        fn, ft, new[touch.key] = _contact(touch, history.get(touch.key, np.zeros(3)), scene.timestep, advance)
-        pull = fn * touch.n + ft
-        turn = -np.cross(touch.n, ft)
+    for touch in touches(scene, x, v, omega, history):
+        act = action(touch, history.get(touch.key), scene.timestep, advance)
+        new[touch.key] = act.memory
+        pull = act.normal * touch.n + act.tangential
+        turn = -np.cross(touch.n, act.tangential)
         force[touch.i] += pull
-        torque[touch.i] += _arm(touch.law.torque_arm, radius[touch.i], touch.overlap) * turn
+        torque[touch.i] += _arm(touch.law.torque_arm, radius[touch.i], touch.overlap) * turn + act.rolling
         if touch.partner is not None:
             force[touch.partner] -= pull
-            torque[touch.partner] += _arm(touch.law.torque_arm, radius[touch.partner], touch.overlap) * turn
+            torque[touch.partner] += _arm(touch.law.torque_arm, radius[touch.partner], touch.overlap) * turn - _share(touch) * act.rolling
     return force, torque, new
+
+
+def _share(touch: Touch) -> float:
+    """The partner's rolling torque over the particle's."""
+    scales = touch.law.rolling != "none" and getattr(_law("rolling", touch.law.rolling), "SCALES_WITH_RADIUS", False)
+    return touch.partner_radius / touch.radius if scales else 1.0
 
 
 def _arm(kind: str, radius: float, overlap: float) -> float:
     return radius - 0.5 * overlap if kind == "contact" else radius
 
 
-def _touches(scene: Scene, x: Floats, v: Floats, omega: Floats) -> Iterator[Touch]:
+def touches(scene: Scene, x: Floats, v: Floats, omega: Floats, history: History) -> Iterator[Touch]:
+    """All contacts at x, v, omega; `history` says which there were at the last step."""
     if scene.pair is not None:
         for i in range(len(x)):
             for j in range(i + 1, len(x)):
-                yield from _pair_touch(scene, scene.pair, i, j, x, v, omega)
+                yield from _pair_touch(scene, scene.pair, i, j, x, v, omega, history)
     for number, wall in enumerate(scene.walls):
         for i in range(len(x)):
             if (scene.particles.mask[i] >> wall.bit) & 1:
-                yield from _wall_touch(scene, wall, number, i, x, v, omega)
+                yield from _wall_touch(scene, wall, number, i, x, v, omega, history)
 
 
-def _pair_touch(scene: Scene, law: ContactLaw, i: int, j: int, x: Floats, v: Floats, omega: Floats) -> Iterator[Touch]:
+def _beyond(law: ContactLaw, row: int | tuple[int, int], reff: float, touched: bool) -> float:
+    """How far beyond touching the contact goes on."""
+    reach = getattr(_law("normal", law.normal), "reach", None)
+    return float(_call(reach, _coefficients(law, row) | {"reff": reff})) if reach and touched else 0.0
+
+
+def _pair_touch(
+    scene: Scene, law: ContactLaw, i: int, j: int, x: Floats, v: Floats, omega: Floats, history: History
+) -> Iterator[Touch]:
     p = scene.particles
-    ri, rj = p.radius[i], p.radius[j]
+    ri, rj = float(p.radius[i]), float(p.radius[j])
     d = _nearest(scene.box, x[i] - x[j])
     square = float(d @ d)
-    if square >= (ri + rj) ** 2:
+    row = (int(p.type[i]) - 1, int(p.type[j]) - 1)
+    reff, meff = ri * rj / (ri + rj), _pair_mass(scene, i, j)
+    if square >= (ri + rj + _beyond(law, row, reff, ("pair", i, j) in history)) ** 2:
         return
     overlap = ri + rj - sqrt(square)
     spin = _arm(law.surface_arm, ri, overlap) * omega[i] + _arm(law.surface_arm, rj, overlap) * omega[j]
-    row = (int(p.type[i]) - 1, int(p.type[j]) - 1)
-    reff, meff = ri * rj / (ri + rj), _pair_mass(scene, i, j)
-    yield Touch(("pair", i, j), law, row, i, j, d / sqrt(square), overlap, reff, meff, v[i] - v[j], spin)
+    inertia = 1.4 / (1.0 / (p.mass[i] * ri * ri) + 1.0 / (p.mass[j] * rj * rj))
+    n = d / sqrt(square)
+    yield Touch(("pair", i, j), law, row, i, j, n, overlap, reff, meff, v[i] - v[j], spin, omega[i] - omega[j], ri, rj, inertia)
 
 
 def _nearest(box: Box, d: Floats) -> Floats:
@@ -110,19 +148,37 @@ def _pair_mass(scene: Scene, i: int, j: int) -> float:
     return float(mass[i] * mass[j] / (mass[i] + mass[j]))
 
 
-def _wall_touch(scene: Scene, wall: Wall, number: int, i: int, x: Floats, v: Floats, omega: Floats) -> Iterator[Touch]:
-    radius = float(scene.particles.radius[i])
-    away = _slab(wall.shape, x[i]) if isinstance(wall.shape, Slab) else _cylinder(wall.shape, x[i])
-    distance = sqrt(float(away @ away))
-    if distance > radius or distance == 0.0 or (distance == radius and not wall.touch_closed):
+def _wall_touch(
+    scene: Scene, wall: Wall, number: int, i: int, x: Floats, v: Floats, omega: Floats, history: History
+) -> Iterator[Touch]:
+    radius, row, key = float(scene.particles.radius[i]), int(scene.particles.type[i]) - 1, (wall.name, number, i)
+    away = _away(wall.shape, x[i])
+    distance, reff = sqrt(float(away @ away)), _wall_radius(wall.shape, x[i], radius)
+    beyond = _beyond(wall.law, row, reff, key in history)
+    if distance > radius + beyond or distance == 0.0 or (distance == radius + beyond and not wall.touch_closed):
         return
-    overlap = max(radius - distance, TOUCHING)
+    overlap = radius - distance if beyond else max(radius - distance, TOUCHING)
     spin = _arm(wall.law.surface_arm, radius, overlap) * omega[i]
-    reff, mass = _wall_radius(wall.shape, x[i], radius), float(scene.particles.mass[i])
-    row = int(scene.particles.type[i]) - 1
-    yield Touch(
-        (wall.name, number, i), wall.law, row, i, None, away / distance, overlap, reff, mass, v[i] - np.array(wall.velocity), spin
-    )
+    mass = float(scene.particles.mass[i])
+    against = v[i] - np.array(wall.velocity) - _plane_velocity(wall.shape, x[i] - away)
+    inertia = 1.4 * mass * radius**2
+    yield Touch(key, wall.law, row, i, None, away / distance, overlap, reff, mass, against, spin, omega[i], radius, np.inf, inertia)
+
+
+def _away(shape: Slab | Cylinder | Plane, x: Floats) -> Floats:
+    """Vector from the nearest point of the wall to x."""
+    if isinstance(shape, Plane):
+        normal = np.array(shape.normal)
+        away: Floats = (x @ normal + shape.offset) / float(normal @ normal) * normal
+        return away
+    return _slab(shape, x) if isinstance(shape, Slab) else _cylinder(shape, x)
+
+
+def _plane_velocity(shape: Slab | Cylinder | Plane, at: Floats) -> Floats:
+    """Velocity of a moving plane at the point `at`; planes stand where the scene has them."""
+    if not isinstance(shape, Plane):
+        return np.zeros(3)
+    return np.array(shape.velocity) + np.cross(shape.omega, at - np.array(shape.pivot))
 
 
 def _slab(slab: Slab, x: Floats) -> Floats:
@@ -147,34 +203,81 @@ def _cylinder(cylinder: Cylinder, x: Floats) -> Floats:
     return away
 
 
-def _wall_radius(shape: Slab | Cylinder, x: Floats, radius: float) -> float:
-    if isinstance(shape, Slab) or shape.effective_radius == "flat":
+def _wall_radius(shape: Slab | Cylinder | Plane, x: Floats, radius: float) -> float:
+    if not isinstance(shape, Cylinder) or shape.effective_radius == "flat":
         return radius
     _, d = _across(shape, x)
     rw = 2.0 * shape.radius * (-1.0 if float(d @ d) < shape.radius**2 else 1.0)
     return radius * rw / (radius + rw)
 
 
-def _contact(touch: Touch, s: Floats, dt: float, advance: bool) -> tuple[float, Floats, Floats]:
-    """Normal force, tangential force (3,) on particle i, and the new history (3,)."""
-    law, n = touch.law, touch.n
+def action(touch: Touch, memory: Floats | None, dt: float, advance: bool) -> Action:
+    """What a contact does; memory (m,) of its law, None for a new contact."""
+    law = touch.law
+    names = {family: tuple(contact.memory(family, getattr(law, family))) for family in contact.REMEMBERING if getattr(law, family) != "none"}
+    slots = [name for family in names.values() for name in family]
+    known = _geometry(touch) | {"dt": dt, "advance": advance} | dict(zip(slots, np.zeros(len(slots)) if memory is None else memory, strict=True))
+    shift, loss = _normal(law, known)
+    cohesive = _call(_law("cohesion", law.cohesion).force, known) if law.cohesion != "none" else 0.0
+    known["critical_force"] = _critical(law, known, cohesive)
+    _tangential(law, known)
+    found = {family: _remembering(law, family, known) for family in names}
+    rolling = np.array(found.get("rolling", np.zeros(3))[:3])
+    if "twisting" in found:
+        rolling = rolling + found["twisting"][0] * touch.n
+    stored = [value for family, own in names.items() for value in found[family][len(found[family]) - len(own) :]]
+    return Action(known["normal_force"] + cohesive, np.array(found.get("friction", np.zeros(3))[:3]), rolling, shift, loss, np.array(stored))
+
+
+def _geometry(touch: Touch) -> dict[str, Any]:
+    """What the laws can know of a contact before any force."""
+    n, w = touch.n, touch.w
     vn = float(touch.v @ n)
     vt = touch.v - vn * n - np.cross(touch.spin, n)
-    known: dict[str, Any] = {name: float(table[touch.row]) for name, table in law.coefficients.items()}
-    known |= dict(zip(("nx", "ny", "nz", "vtx", "vty", "vtz", "sx", "sy", "sz"), map(float, (*n, *vt, *s)), strict=True))
-    known |= {"overlap": touch.overlap, "reff": touch.reff, "meff": touch.meff, "vn": vn, "dt": dt, "advance": advance}
-    known["contact_radius"] = sqrt(touch.reff * touch.overlap)
-    known["normal_elastic"] = _call(_law("normal", law.normal).force, known)
-    known["stiffness"] = known["normal_elastic"] / touch.overlap
+    known = _coefficients(touch.law, touch.row)
+    known |= dict(zip(("nx", "ny", "nz", "vtx", "vty", "vtz", "wx", "wy", "wz"), map(float, (*n, *vt, *w)), strict=True))
+    known |= {"overlap": touch.overlap, "radius": touch.radius, "partner_curvature": 1.0 / touch.partner_radius}
+    known |= {"reff": touch.reff, "meff": touch.meff}
+    ratio = (touch.radius - 0.5 * touch.overlap) / (touch.radius - touch.overlap) if touch.partner is None else 1.0
+    known |= {"vn": vn, "rolling_inertia": touch.rolling_inertia, "arm_ratio": ratio, "twist_rate": float(w @ n)}
+    own = getattr(_law("normal", touch.law.normal), "contact_radius", None)
+    return known | {"contact_radius": _call(own, known) if own else sqrt(touch.reff * touch.overlap)}
+
+
+def _normal(law: ContactLaw, known: dict[str, Any]) -> tuple[float, float]:
+    """Fills in the normal force and what it is made of; returns the shift and the loss of a step law."""
+    module = _law("normal", law.normal)
+    if contact.is_step_law(law.normal):
+        known["normal_force"], shift, loss = _call(module.step, known)
+        return shift, loss
+    known["normal_elastic"] = _call(module.force, known)
+    known["stiffness"] = known["normal_elastic"] / known["overlap"] if known["overlap"] > 0.0 else 0.0
     known["gn"] = _call(_law("damping", law.damping).coefficient, known)
-    fn = known["normal_elastic"] - known["gn"] * vn
+    fn = known["normal_elastic"] - known["gn"] * known["vn"]
     known["normal_force"] = max(fn, 0.0) if law.limit_damping else fn
-    if law.friction == "none":
-        return known["normal_force"], np.zeros(3), s
-    known["kt"] = _call(_law("tangential_stiffness", law.tangential_stiffness).stiffness, known)
-    known["gt"] = _call(_law("tangential_damping", law.tangential_damping).coefficient, known)
-    result = _call(_law("friction", law.friction).force, known)
-    return known["normal_force"], np.array(result[:3]), np.array(result[3:])
+    return 0.0, 0.0
+
+
+def _critical(law: ContactLaw, known: Mapping[str, Any], cohesive: float) -> float:
+    own = getattr(_law("normal", law.normal), "critical_force", None)
+    return float(_call(own, known)) if own else abs(known["normal_force"] + (cohesive if law.tangential_reduce else 0.0))
+
+
+def _tangential(law: ContactLaw, known: dict[str, Any]) -> None:
+    families = in_use(law)
+    if "tangential_stiffness" in families:
+        known["kt"] = _call(_law("tangential_stiffness", law.tangential_stiffness).stiffness, known)
+    if "tangential_damping" in families:
+        known["gt"] = _call(_law("tangential_damping", law.tangential_damping).coefficient, known)
+
+
+def _remembering(law: ContactLaw, family: contact.Family, known: Mapping[str, Any]) -> tuple[float, ...]:
+    result = _call(getattr(_law(family, getattr(law, family)), contact.ENTRY[family]), known)
+    return result if isinstance(result, tuple) else (result,)
+
+
+def _coefficients(law: ContactLaw, row: int | tuple[int, int]) -> dict[str, Any]:
+    return {name: float(table[row]) for name, table in law.coefficients.items()}
 
 
 def _call(law: Callable[..., Any], known: Mapping[str, Any]) -> Any:

@@ -61,12 +61,14 @@ class ContactLaw:
     """One contact law, put together from the files of `demsolver/contact`.
 
     normal, damping, tangential_stiffness, tangential_damping, friction: names of the laws, i.e. file stems without the family
-        prefix: normal="hertz" is contact/normal_hertz.py. friction="none" means no tangential force at all.
+        prefix: normal="hertz" is contact/normal_hertz.py. friction="none" means no tangential force at all; cohesion, rolling and twisting
+        "none" that there is none.
     coefficients: every parameter that the chosen laws name, e.g. {"kn": ..., "gamma_n": ...}; shape (ntypes, ntypes) for pairs,
         (ntypes,) for a wall (indexed by particle type - 1).
     surface_arm: lever of the spin in the velocity at the contact point: "radius" R, or "contact" R - overlap/2.
     torque_arm: lever of the tangential force in the torque: the same two.
     limit_damping: True cuts a pulling total normal force to zero (LAMMPS limit_damping, LIGGGHTS limitForce on).
+    tangential_reduce: True lets the cohesion force count in the limits of friction and rolling (LIGGGHTS tangential_reduce on).
     """
 
     normal: str
@@ -78,6 +80,10 @@ class ContactLaw:
     surface_arm: Arm = "radius"
     torque_arm: Arm = "radius"
     limit_damping: bool = False
+    cohesion: str = "none"
+    rolling: str = "none"
+    twisting: str = "none"
+    tangential_reduce: bool = False
 
 
 @dataclass(frozen=True)
@@ -102,12 +108,31 @@ class Cylinder:
 
 
 @dataclass(frozen=True)
+class Plane:
+    """The plane a x + b y + c z + d = 0, felt from both sides. normal: (a, b, c), of any length but zero; offset: d.
+
+    It moves as a rigid body from the begin of the run on: velocity (3,) of the pivot, omega (3,) [rad/time] about pivot (3,), which goes along.
+    """
+
+    normal: tuple[float, float, float]
+    offset: float
+    velocity: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    omega: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    pivot: tuple[float, float, float] = (0.0, 0.0, 0.0)
+
+    @property
+    def moving(self) -> bool:
+        """Whether it changes its place."""
+        return any(self.velocity) or any(self.omega)
+
+
+@dataclass(frozen=True)
 class Wall:
     """A wall for the particles of group `bit`. `touch_closed`: contact also at exactly zero gap (LIGGGHTS), else overlap > 0 (LAMMPS).
-    `velocity`: (3,) constant velocity of its surface."""
+    `velocity`: (3,) constant velocity of its surface, as of a conveyor: the wall stays where it is."""
 
     name: str
-    shape: Slab | Cylinder
+    shape: Slab | Cylinder | Plane
     law: ContactLaw
     bit: int = 0
     velocity: tuple[float, float, float] = (0.0, 0.0, 0.0)
@@ -164,6 +189,18 @@ class NveSphere:
 
 
 @dataclass(frozen=True)
+class EulerSphere:
+    """Semi-implicit Euler for group `bit`: v += dt F/m, then x += dt v. `inertia` as in NveSphere.
+
+    Its velocities belong half a step before its positions: v(n) is what Verlet calls v(n - 1/2). Source: S. Shobuzawa, "DEM no kiso" (2025),
+    eq. 2.2, who calls it forward Euler.
+    """
+
+    bit: int = 0
+    inertia: float = 0.4
+
+
+@dataclass(frozen=True)
 class Neighbor:
     """Neighbour list: skin length, rebuild cadence as LAMMPS' neigh_modify, and pairs left out.
 
@@ -191,7 +228,7 @@ class Scene:
     pair: ContactLaw | None = None
     walls: tuple[Wall, ...] = ()
     forces: tuple[Force, ...] = ()
-    integrate: tuple[NveSphere, ...] = ()
+    integrate: tuple[NveSphere, ...] | tuple[EulerSphere, ...] = ()
     neighbor: Neighbor = field(default_factory=lambda: Neighbor(skin=0.0))
     dimension: int = 3
     lost: Literal["error", "warn", "ignore"] = "error"

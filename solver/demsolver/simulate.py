@@ -6,9 +6,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from demsolver import neighbors
+from demsolver import contact, neighbors
+from demsolver.bind_law import coefficient_table, memory_signs
+from demsolver.bind_walls import wall_geometry
 from demsolver.scene import Box, Gravity, Particles, Scene, SetForce, Viscous, Wall
-from demsolver.specialise import BUDGET_MEMORY, MEMORY, coefficient_table, keeps_history, specialise, wall_geometry
+from demsolver.specialise import BUDGET_COLUMNS, shifting, specialise
 from demsolver.state import Bodies, Floats, Ints, Pairs, bodies_of, inertia_of, selected
 
 _SAID = {"x": "positions", "v": "velocities", "omega": "spins", "force": "forces", "torque": "torques"}
@@ -27,29 +29,37 @@ class Unstable(RuntimeError):
 class EnergyBudget:
     """Where the energy is, in units of the deck. Work taken out is positive.
 
-    kinetic, rotational: of all particles. elastic_normal, elastic_tangential: in the contacts. gravitational: -sum m g.x, of unwrapped
-    positions, relative to the origin. damped, rubbed, dragged: taken since the start by normal damping, by the tangential forces (their
-    damping and their slip), and by viscous drag. `total` is the sum of all: what must stay put.
+    kinetic, rotational: of all particles. elastic_normal (cohesion included), elastic_tangential, elastic_rolling: in the contacts.
+    gravitational: -sum m g.x, of unwrapped positions, relative to the origin. damped, rubbed, rolled, dragged: taken since the start by normal
+    damping, by the tangential forces (their damping and their slip), by rolling and twisting torques, and by viscous drag. `total` is the sum
+    of all: what must stay put.
     """
 
     kinetic: float
     rotational: float
     elastic_normal: float
     elastic_tangential: float
+    elastic_rolling: float
     gravitational: float
     damped: float
     rubbed: float
+    rolled: float
     dragged: float
+
+    @property
+    def elastic(self) -> float:
+        """What the contacts store."""
+        return self.elastic_normal + self.elastic_tangential + self.elastic_rolling
 
     @property
     def mechanical(self) -> float:
         """What the scene holds now."""
-        return self.kinetic + self.rotational + self.elastic_normal + self.elastic_tangential + self.gravitational
+        return self.kinetic + self.rotational + self.elastic + self.gravitational
 
     @property
     def total(self) -> float:
         """What it holds plus what it lost."""
-        return self.mechanical + self.damped + self.rubbed + self.dragged
+        return self.mechanical + self.damped + self.rubbed + self.rolled + self.dragged
 
 
 class Simulation:
@@ -70,14 +80,16 @@ class Simulation:
         self.virial = virial
         self._threads = threads
         self._kernel = specialise(scene, threads, budget=budget, virial=virial)
-        self._columns = BUDGET_MEMORY if budget else MEMORY
-        self.bodies: Bodies = bodies_of(scene)
+        self._extra = BUDGET_COLUMNS if budget else 0
+        self._signs = memory_signs(scene.pair)
+        self._columns = len(self._signs) + self._extra
+        self.bodies: Bodies = bodies_of(scene, shifting=shifting(scene))
         self.pairs: Pairs = neighbors.empty_pairs(len(self.id), self._columns)
         self._walls = tuple(self._wall_arrays(wall) for wall in scene.walls)
         self._fields = self._field_arrays()
         self._coefficients = coefficient_table(scene.pair) if scene.pair else np.zeros((1, 1))
         self._parts = np.zeros((threads, 2, len(self.id) if threads > 1 else 0, 3))
-        self._tallies = np.zeros((threads, 4))
+        self._tallies = np.zeros((threads, 5))
         self._age = 0
         self._margin = 1e-4 * (self.box_hi - self.box_lo) if scene.box.margin is None else scene.box.margin
 
@@ -102,16 +114,20 @@ class Simulation:
             message = "the energy budget was not kept: make the Simulation with budget=True"
             raise ValueError(message)
         b = self.bodies
-        normal, tangential = self._kernel.stored(b, self.pairs, self._shifts(), self._coefficients, self.scene.ntypes, self._walls)
+        normal, tangential, rolling = self._kernel.stored(
+            b, self.pairs, self._shifts(), self._coefficients, self.scene.ntypes, self._walls, self.scene.timestep
+        )
         spent = -self._tallies.sum(axis=0)
         return EnergyBudget(
             kinetic=0.5 * float(np.sum(b.mass * np.sum(b.v**2, axis=1))),
             rotational=0.5 * float(np.sum(inertia_of(self._now()) * np.sum(b.omega**2, axis=1))),
             elastic_normal=normal,
             elastic_tangential=tangential,
+            elastic_rolling=rolling,
             gravitational=self._gravitational(),
             damped=float(spent[0]),
             rubbed=float(spent[1]) - tangential,
+            rolled=float(spent[4]) - rolling,
             dragged=float(spent[2]),
         )
 
@@ -146,11 +162,15 @@ class Simulation:
         if len(other.id) == len(self.id) and np.array_equal(other.id, self.id) and _same_law(scene, self.scene):
             other.pairs = self.pairs
             other._tallies[0] = self._tallies.sum(axis=0)
-        kept = {wall.name: arrays for wall, arrays in zip(self.scene.walls, self._walls, strict=True)}
-        for wall, arrays in zip(scene.walls, other._walls, strict=True):
-            if wall.name in kept and len(kept[wall.name][3]) == len(arrays[3]):
-                arrays[3][:] = kept[wall.name][3]
-                arrays[4][:] = kept[wall.name][4]
+        kept = {wall.name: (wall, arrays) for wall, arrays in zip(self.scene.walls, self._walls, strict=True)}
+        for wall, (geometry, _, _, memory, touching) in zip(scene.walls, other._walls, strict=True):
+            if wall.name not in kept:
+                continue
+            old, (old_geometry, _, _, old_memory, old_touching) = kept[wall.name]
+            if wall.shape == old.shape:
+                geometry[:] = old_geometry
+            if old_memory.shape == memory.shape:
+                memory[:], touching[:] = old_memory, old_touching
         return other
 
     def _rhythm(self) -> tuple[int, int, bool, float]:
@@ -180,7 +200,7 @@ class Simulation:
         self._age = 0
         if self.scene.pair:
             old, self.pairs = self.pairs, neighbors.build(self.scene, self.bodies, self.box_lo, self.box_hi, self._columns)
-            neighbors.carry(old, self.pairs, wraps, self.scene.history_outlives_contact, self.bodies, self._shifts())
+            neighbors.carry(old, self.pairs, wraps, self.scene.history_outlives_contact, self._signs, self.bodies, self._shifts())
 
     def _check_finite(self, *names: str) -> None:
         """Raises Unstable; looks at everything that moves, or only at `names`."""
@@ -220,7 +240,7 @@ class Simulation:
 
     def _delete(self, gone: np.ndarray) -> None:
         keep = ~gone
-        self.bodies = Bodies(*(np.ascontiguousarray(array[keep]) for array in self.bodies))
+        self.bodies = Bodies(*(np.ascontiguousarray(array[keep] if len(array) else array) for array in self.bodies))
         self.id, self.image = self.id[keep], self.image[keep]
         self._walls = tuple((g, bit, c, memory[keep], touching[keep]) for g, bit, c, memory, touching in self._walls)
         numbers, bits, gammas, drag = self._fields
@@ -230,8 +250,8 @@ class Simulation:
         self.pairs = _without(self.pairs, keep)
 
     def _wall_arrays(self, wall: Wall) -> tuple[Floats, int, Floats, Floats, np.ndarray]:
-        n = len(self.id)
-        return wall_geometry(wall), wall.bit, coefficient_table(wall.law), np.zeros((n, self._columns)), np.zeros(n, dtype=np.uint8)
+        n, columns = len(self.id), len(memory_signs(wall.law)) + self._extra
+        return wall_geometry(wall), wall.bit, coefficient_table(wall.law), np.zeros((n, columns)), np.zeros(n, dtype=np.uint8)
 
     def _field_arrays(self) -> tuple[Floats, Ints, Floats, Floats]:
         forces = self.scene.forces
@@ -263,9 +283,10 @@ def _field_numbers(force: object) -> tuple[float, float, float]:
 
 
 def _same_law(a: Scene, b: Scene) -> bool:
-    return (a.pair is None) == (b.pair is None) and (
-        a.pair is None or b.pair is None or (keeps_history(a.pair) == keeps_history(b.pair) and a.pair.friction == b.pair.friction)
-    )
+    """Whether the contacts of one scene mean the same in the other: laws that remember the same."""
+    if a.pair is None or b.pair is None:
+        return a.pair is b.pair
+    return all(getattr(a.pair, family) == getattr(b.pair, family) for family in contact.REMEMBERING)
 
 
 def _without(pairs: Pairs, keep: np.ndarray) -> Pairs:

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from demsolver.scene import Freeze, Scene
+from demsolver.scene import EulerSphere, Freeze, Scene
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -17,8 +17,8 @@ class Bodies(NamedTuple):
     """Per-particle arrays, n rows, C order, float64 unless said. Changed in place by the compiled loop.
 
     x, v, omega, force, torque: (n, 3). radius, mass: (n,). kind: type - 1. mask: group bits. frozen: bool.
-    half_kick: dt/2m, half_spin: dt/2I, drift: dt; all zero where no integrator moves the particle.
-    held: (n, 3) positions at the last list build.
+    kick: dt/2m, spin: dt/2I (semi-implicit Euler: dt/m, dt/I), drift: dt; all zero where no integrator moves the particle.
+    held: (n, 3) positions at the last list build. shift: (n, 3) what step laws move a particle by on top; (0, 3) without such laws.
     """
 
     x: Floats
@@ -31,10 +31,11 @@ class Bodies(NamedTuple):
     kind: Ints
     mask: Ints
     frozen: NDArray[np.bool_]
-    half_kick: Floats
-    half_spin: Floats
+    kick: Floats
+    spin: Floats
     drift: Floats
     held: Floats
+    shift: Floats
 
 
 class Pairs(NamedTuple):
@@ -57,8 +58,8 @@ def selected(mask: Ints, bit: int) -> NDArray[np.bool_]:
     return members
 
 
-def bodies_of(scene: Scene) -> Bodies:
-    """Fresh arrays of a scene's particles; forces and torques zero."""
+def bodies_of(scene: Scene, *, shifting: bool) -> Bodies:
+    """Fresh arrays of a scene's particles; forces and torques zero. shifting: whether a step law corrects positions."""
     p = scene.particles
     n = len(p.id)
     frozen = np.zeros(n, dtype=bool)
@@ -77,10 +78,11 @@ def bodies_of(scene: Scene) -> Bodies:
         kind=np.ascontiguousarray(p.type, dtype=np.int64) - 1,
         mask=np.array(p.mask, dtype=np.int64),
         frozen=frozen,
-        half_kick=kick,
-        half_spin=spin,
+        kick=kick,
+        spin=spin,
         drift=drift,
         held=_copy(p.x),
+        shift=np.zeros((n if shifting else 0, 3)),
     )
 
 
@@ -88,11 +90,12 @@ def _integration(scene: Scene) -> tuple[Floats, Floats, Floats]:
     p = scene.particles
     kick, spin, drift = (np.zeros(len(p.id)) for _ in range(3))
     for integrator in scene.integrate:
+        part = scene.timestep * (1.0 if isinstance(integrator, EulerSphere) else 0.5)
         moved = selected(p.mask, integrator.bit)
-        kick[moved] = 0.5 * scene.timestep / p.mass[moved]
+        kick[moved] = part / p.mass[moved]
         inertia = integrator.inertia * p.mass * p.radius**2
         spins = moved & (p.radius > 0.0)
-        spin[spins] = 0.5 * scene.timestep / inertia[spins]
+        spin[spins] = part / inertia[spins]
         drift[moved] = scene.timestep
     return kick, spin, drift
 

@@ -1,11 +1,33 @@
 """Contact laws, one a file: `<family>_<name>.py`, undecorated pure functions of scalars.
 
-A law's parameter names say what it wants. The kernel hands over the names in `GIVEN`; every
-other name is a coefficient of the pair of types.
+A law's parameter names say what it wants: a name in `GIVEN` is handed over by the kernel, a name in the law's own `MEMORY` is what the law
+stored at the last step, every other name is a coefficient of the pair of types.
 
-    overlap, reff, meff, contact_radius = sqrt(reff overlap); vn < 0 on approach; n from partner to particle; vt surface velocity
+    overlap; radius of the particle, partner_curvature = 1/radius of the partner (0: wall); reff, meff; contact_radius = sqrt(reff overlap) unless
+        the normal law has its own; n from partner to particle; vn < 0 on approach; vt surface velocity; w omega less the partner's, twist_rate = w.n
     normal_elastic, stiffness = normal_elastic/overlap, gn, normal_force (with damping, after limit_damping), kt, gt
-    s history; dt; advance: False at set-up, when forces are computed but histories stay
+    critical_force: what mu multiplies in a limit; |normal_force| unless the normal law, or tangential_reduce, says otherwise
+    rolling_inertia: 1/I = 1/(1.4 m_i R_i^2) + 1/(1.4 m_j R_j^2); arm_ratio: (R - overlap/2)/(R - overlap) at a wall, 1 in a pair
+    dt; advance: False at set-up, when forces are computed but memories stay
+
+What the entry function of a family returns, and what states its energy:
+
+    normal                force(...) -> F > 0 apart; energy(...) with F = dE/d(overlap). Optional: contact_radius(...); critical_force(...);
+                          reach(...), the gap up to which a contact that has touched goes on; or a step law, see below
+    damping               coefficient(...) -> gn; takes gn vn^2
+    cohesion              force(...) -> F, negative where it pulls; energy(...). Added behind limit_damping
+    tangential_stiffness  stiffness(...) -> kt
+    tangential_damping    coefficient(...) -> gt
+    friction              force(...) -> fx, fy, fz, *memory; energy(...) of the spring
+    rolling               torque(...) -> qx, qy, qz on the particle, *memory; energy(...). The partner feels the opposite, times its radius over the
+                          particle's where the law says SCALES_WITH_RADIUS
+    twisting              torque(...) -> q along n, *memory; energy(...)
+
+MEMORY maps each stored name to its sign when the two particles change places.
+
+A step law is a normal law that maps the state of a contact to the state of the next step. In place of `force` it has
+step(...) -> F, shift, loss: the mean force over the coming step, all damping included (the damping law is "none"); by how much the overlap is made
+smaller on top of what F does; the energy taken in this step. Its energy(...) may ask for vn, meff and dt.
 """
 
 from __future__ import annotations
@@ -13,21 +35,31 @@ from __future__ import annotations
 import importlib
 import inspect
 import pkgutil
+from collections.abc import Mapping
 from types import ModuleType
 from typing import Literal
 
-Family = Literal["normal", "damping", "tangential_stiffness", "tangential_damping", "friction"]
-FAMILIES: tuple[Family, ...] = ("normal", "damping", "tangential_stiffness", "tangential_damping", "friction")
+Family = Literal["normal", "damping", "cohesion", "tangential_stiffness", "tangential_damping", "friction", "rolling", "twisting"]
+FAMILIES: tuple[Family, ...] = (
+    "normal", "damping", "cohesion", "tangential_stiffness", "tangential_damping", "friction", "rolling", "twisting",
+)  # fmt: skip
 ENTRY: dict[Family, str] = {
     "normal": "force",
     "damping": "coefficient",
+    "cohesion": "force",
     "tangential_stiffness": "stiffness",
     "tangential_damping": "coefficient",
     "friction": "force",
+    "rolling": "torque",
+    "twisting": "torque",
 }
+OPTIONAL: dict[Family, tuple[str, ...]] = {"normal": ("contact_radius", "critical_force", "reach")}
+STORING: tuple[Family, ...] = ("normal", "cohesion", "friction", "rolling", "twisting")
+REMEMBERING: tuple[Family, ...] = ("friction", "rolling", "twisting")
 GIVEN = frozenset({
-    "overlap", "reff", "meff", "contact_radius", "vn", "normal_elastic", "stiffness", "gn", "normal_force", "kt", "gt",
-    "nx", "ny", "nz", "vtx", "vty", "vtz", "sx", "sy", "sz", "dt", "advance",
+    "overlap", "radius", "partner_curvature", "reff", "meff", "contact_radius", "vn", "normal_elastic", "stiffness", "gn", "normal_force",
+    "critical_force", "kt", "gt", "nx", "ny", "nz", "vtx", "vty", "vtz", "wx", "wy", "wz", "twist_rate", "rolling_inertia", "arm_ratio",
+    "dt", "advance",
 })  # fmt: skip
 
 
@@ -47,11 +79,36 @@ def law(family: Family, name: str) -> ModuleType:
     return importlib.import_module(f"{__name__}.{family}_{name}")
 
 
-def parameters(family: Family, name: str) -> tuple[str, ...]:
-    """Parameter names of a law's entry function, in order."""
-    return tuple(inspect.signature(getattr(law(family, name), ENTRY[family])).parameters)
+def is_step_law(name: str) -> bool:
+    """Whether a normal law maps a state to the next one, instead of giving the force of a state."""
+    return hasattr(law("normal", name), "step")
+
+
+def entry(family: Family, name: str) -> str:
+    """The name of a law's main function."""
+    return "step" if family == "normal" and is_step_law(name) else ENTRY[family]
+
+
+def functions(family: Family, name: str) -> tuple[str, ...]:
+    """The functions of a law: its entry, its energy where the family stores any, and the optional ones it has."""
+    module = law(family, name)
+    stored = ("energy",) if family in STORING else ()
+    return (entry(family, name), *stored, *(f for f in OPTIONAL.get(family, ()) if hasattr(module, f)))
+
+
+def memory(family: Family, name: str) -> Mapping[str, int]:
+    """What a law stores from step to step: name -> sign on exchange of the particles."""
+    found: Mapping[str, int] = law(family, name).MEMORY if family in REMEMBERING else {}
+    return found
+
+
+def parameters(family: Family, name: str, function: str | None = None) -> tuple[str, ...]:
+    """Parameter names of one function of a law (its entry), in order."""
+    return tuple(inspect.signature(getattr(law(family, name), function or entry(family, name))).parameters)
 
 
 def coefficients(family: Family, name: str) -> tuple[str, ...]:
-    """The parameters a law needs from the material: those the kernel does not hand over."""
-    return tuple(p for p in parameters(family, name) if p not in GIVEN)
+    """The parameters a law needs from the material: those nobody hands over and it does not store itself."""
+    own = memory(family, name)
+    asked = (p for function in functions(family, name) for p in parameters(family, name, function))
+    return tuple(dict.fromkeys(p for p in asked if p not in GIVEN and p not in own))

@@ -12,11 +12,11 @@ gran/hooke/history. Not: mindlin_rescale; at kt = 0, where LAMMPS divides by zer
 
 from math import sqrt
 
-HISTORY = True
+MEMORY = {"sx": -1, "sy": -1, "sz": -1}
 
 
 def force(
-    normal_force: float,
+    critical_force: float,
     kt: float,
     gt: float,
     mu: float,
@@ -40,7 +40,7 @@ def force(
         along = sx * nx + sy * ny + sz * nz
         sx, sy, sz = sx - along * nx, sy - along * ny, sz - along * nz
     fx, fy, fz = -kt * sx - gt * vtx, -kt * sy - gt * vty, -kt * sz - gt * vtz
-    limit = mu * abs(normal_force)
+    limit = mu * critical_force
     size = sqrt(fx * fx + fy * fy + fz * fz)
     if size > limit:
         if not moved:
@@ -50,3 +50,8 @@ def force(
         if kt > 0.0:
             sx, sy, sz = -(fx + gt * vtx) / kt, -(fy + gt * vty) / kt, -(fz + gt * vtz) / kt
     return fx, fy, fz, sx, sy, sz
+
+
+def energy(kt: float, sx: float, sy: float, sz: float) -> float:
+    """Energy of the spring, kt s^2/2."""
+    return 0.5 * kt * (sx * sx + sy * sy + sz * sz)

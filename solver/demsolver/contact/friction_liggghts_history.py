@@ -11,11 +11,11 @@ the contact unloads.
 
 from math import sqrt
 
-HISTORY = True
+MEMORY = {"sx": -1, "sy": -1, "sz": -1}
 
 
 def force(
-    normal_force: float,
+    critical_force: float,
     kt: float,
     gt: float,
     mu: float,
@@ -36,7 +36,7 @@ def force(
         sx, sy, sz = sx + dt * vtx, sy + dt * vty, sz + dt * vtz
         along = sx * nx + sy * ny + sz * nz
         sx, sy, sz = sx - along * nx, sy - along * ny, sz - along * nz
-    limit = mu * abs(normal_force)
+    limit = mu * critical_force
     spring = kt * sqrt(sx * sx + sy * sy + sz * sz)
     if spring > limit:
         cut = limit / spring
@@ -45,3 +45,8 @@ def force(
             sx, sy, sz = cut * sx, cut * sy, cut * sz
         return fx, fy, fz, sx, sy, sz
     return -kt * sx - gt * vtx, -kt * sy - gt * vty, -kt * sz - gt * vtz, sx, sy, sz
+
+
+def energy(kt: float, sx: float, sy: float, sz: float) -> float:
+    """Energy of the spring, kt s^2/2."""
+    return 0.5 * kt * (sx * sx + sy * sy + sz * sz)

@@ -6,14 +6,19 @@ linear_nohistory; LIGGGHTS tangential no_history. Not: static friction; a slope 
 
 from math import sqrt
 
-HISTORY = False
+MEMORY: dict[str, int] = {}
 
 
 def force(
-    normal_force: float, gt: float, mu: float, vtx: float, vty: float, vtz: float, sx: float, sy: float, sz: float
-) -> tuple[float, float, float, float, float, float]:
-    """Tangential force on the particle, and the history vector as it came."""
-    limit = mu * abs(normal_force)
+    critical_force: float, gt: float, mu: float, vtx: float, vty: float, vtz: float
+) -> tuple[float, float, float]:
+    """Tangential force on the particle."""
+    limit = mu * critical_force
     speed = sqrt(vtx * vtx + vty * vty + vtz * vtz)
     g = gt if gt * speed <= limit else limit / speed
-    return -g * vtx, -g * vty, -g * vtz, sx, sy, sz
+    return -g * vtx, -g * vty, -g * vtz
+
+
+def energy() -> float:
+    """Nothing is stored."""
+    return 0.0

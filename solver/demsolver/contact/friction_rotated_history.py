@@ -13,11 +13,11 @@ where LAMMPS divides by zero, s is left alone.
 
 from math import sqrt
 
-HISTORY = True
+MEMORY = {"sx": -1, "sy": -1, "sz": -1}
 
 
 def force(
-    normal_force: float,
+    critical_force: float,
     kt: float,
     gt: float,
     mu: float,
@@ -34,7 +34,7 @@ def force(
     advance: bool,
 ) -> tuple[float, float, float, float, float, float]:
     """Tangential force on the particle, and the new history vector."""
-    limit = mu * abs(normal_force)
+    limit = mu * critical_force
     if advance:
         along = sx * nx + sy * ny + sz * nz
         if abs(along) * kt > 1e-10 * limit:
@@ -54,3 +54,8 @@ def force(
         if kt > 0.0:
             sx, sy, sz = -(fx + gt * vtx) / kt, -(fy + gt * vty) / kt, -(fz + gt * vtz) / kt
     return fx, fy, fz, sx, sy, sz
+
+
+def energy(kt: float, sx: float, sy: float, sz: float) -> float:
+    """Energy of the spring, kt s^2/2."""
+    return 0.5 * kt * (sx * sx + sy * sy + sz * sz)

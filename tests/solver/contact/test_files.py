@@ -14,9 +14,8 @@ LAWS = [(family, name) for family in contact.FAMILIES for name in contact.listin
 
 
 def functions(family: contact.Family, name: str) -> list[object]:
-    """The functions a law file must hold."""
-    module = contact.law(family, name)
-    return [getattr(module, contact.ENTRY[family]), *([module.energy] if family == "normal" else [])]
+    """The functions of a law file."""
+    return [getattr(contact.law(family, name), function) for function in contact.functions(family, name)]
 
 
 @pytest.mark.parametrize(("family", "name"), LAWS)
@@ -37,14 +36,20 @@ def test_is_documented(family: contact.Family, name: str) -> None:
     assert all(inspect.getdoc(function) for function in functions(family, name))
 
 
-@pytest.mark.parametrize("name", contact.listing("friction"))
-def test_friction_says_whether_it_remembers(name: str) -> None:
-    """HISTORY is a plain bool in every friction file."""
-    assert isinstance(contact.law("friction", name).HISTORY, bool)
+REMEMBERING = [(family, name) for family in contact.REMEMBERING for name in contact.listing(family)]
+
+
+@pytest.mark.parametrize(("family", "name"), REMEMBERING)
+def test_a_memory_has_signs(family: contact.Family, name: str) -> None:
+    """MEMORY gives every stored name the sign +1 or -1 on exchange; no other family stores under the same name."""
+    found = contact.memory(family, name)
+    assert set(found.values()) <= {1, -1}
+    others = {stored for other, law in REMEMBERING if other != family for stored in contact.memory(other, law)}
+    assert not others & set(found)
 
 
 @pytest.mark.parametrize("family", contact.FAMILIES)
 def test_an_unknown_law_is_refused_by_name(family: contact.Family) -> None:
     """The error names the family, the word, and what exists."""
-    with pytest.raises(ValueError, match=f"{family} law 'hurtz' is not one of .*{contact.listing(family)[0]}"):
+    with pytest.raises(ValueError, match=f"{family} law 'hurtz' is not one of {', '.join(contact.listing(family))}"):
         contact.law(family, "hurtz")

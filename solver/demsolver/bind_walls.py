@@ -1,0 +1,201 @@
+"""Walls and fields of one scene as source: unrolled one after another, each with its own geometry and law."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from demsolver.bind_law import goes_beyond, memory_signs
+from demsolver.scene import Cylinder, Enforce2D, Freeze, Gravity, Plane, Scene, SetForce, Slab, Viscous, Wall
+from demsolver.state import Floats
+
+HERE = Path(__file__).parent
+
+
+# Each snippet sets: touches, n, overlap, reff, and the velocity wv of the surface where it is touched. `gap` is how far beyond touching a contact
+# goes on that was there at the last step.
+SURFACE = "        wvx, wvy, wvz = geometry[3], geometry[4], geometry[5]"
+
+
+def _slab(shape: Slab, closed: bool) -> str:
+    a = shape.axis
+    normal = ["0.0", "0.0", "0.0"]
+    normal[a] = "sign"
+    touch = "<=" if closed else "<"
+    return f"""
+        low, high = b.x[i, {a}] - geometry[0], geometry[1] - b.x[i, {a}]
+        way, sign = (low, 1.0) if low < high else (high, -1.0)
+        if way < 0.0:
+            way, sign = -way, -sign
+        touches = way > 0.0 and way {touch} b.radius[i] + gap
+        nx, ny, nz = {", ".join(normal)}
+        reff = b.radius[i]
+{SURFACE}
+"""
+
+
+def _cylinder(shape: Cylinder, closed: bool) -> str:
+    a = shape.axis
+    u, v = (a + 1) % 3, (a + 2) % 3
+    normal = ["0.0", "0.0", "0.0"]
+    normal[u], normal[v] = "sign * du / off", "sign * dv / off"
+    touch = "<=" if closed else "<"
+    curved = "b.radius[i] * rw / (b.radius[i] + rw)" if shape.effective_radius == "curved" else "b.radius[i]"
+    return f"""
+        du, dv = b.x[i, {u}] - geometry[0], b.x[i, {v}] - geometry[1]
+        off = sqrt(du * du + dv * dv)
+        way = geometry[2] - off
+        rw, sign = (-2.0 * geometry[2], -1.0) if off < geometry[2] else (2.0 * geometry[2], 1.0)
+        way = abs(way)
+        touches = off > 0.0 and way > 0.0 and way {touch} b.radius[i] + gap
+        nx = ny = nz = 0.0
+        reff = {curved}
+        if touches:
+            nx, ny, nz = {", ".join(normal)}
+{SURFACE}
+"""
+
+
+def _plane(closed: bool) -> str:
+    touch = "<=" if closed else "<"
+    return f"""
+        ex, ey, ez = b.x[i, 0] - geometry[3], b.x[i, 1] - geometry[4], b.x[i, 2] - geometry[5]
+        high = ex * geometry[0] + ey * geometry[1] + ez * geometry[2] - geometry[6]
+        sign, way = (1.0, high) if high > 0.0 else (-1.0, -high)
+        touches = way > 0.0 and way {touch} b.radius[i] + gap
+        nx, ny, nz = sign * geometry[0], sign * geometry[1], sign * geometry[2]
+        reff = b.radius[i]
+        ex, ey, ez = ex - way * nx, ey - way * ny, ez - way * nz
+        wvx = geometry[7] + geometry[11] * ez - geometry[12] * ey + geometry[13]
+        wvy = geometry[8] + geometry[12] * ex - geometry[10] * ez + geometry[14]
+        wvz = geometry[9] + geometry[10] * ey - geometry[11] * ex + geometry[15]
+"""
+
+
+def _geometry_source(wall: Wall) -> str:
+    if isinstance(wall.shape, Slab):
+        return _slab(wall.shape, wall.touch_closed)
+    if isinstance(wall.shape, Plane):
+        return _plane(wall.touch_closed)
+    return _cylinder(wall.shape, wall.touch_closed)
+
+
+def wall_geometry(wall: Wall) -> Floats:
+    """Numbers that the generated wall code reads. Slab: lo, hi, 0; cylinder: centre and radius; both: surface velocity (3).
+
+    Plane: unit normal (3), pivot (3), distance of the plane from the pivot along the normal, velocity (3), omega (3), surface velocity (3).
+    Raises ValueError for a plane without a normal.
+    """
+    shape = wall.shape
+    if isinstance(shape, Plane):
+        size = float(np.linalg.norm(shape.normal))
+        if not size > 0.0:
+            message = f"wall {wall.name}: the normal {shape.normal} of the plane has no direction"
+            raise ValueError(message)
+        normal = np.array(shape.normal) / size
+        return np.array([*normal, *shape.pivot, -shape.offset / size - normal @ np.array(shape.pivot), *shape.velocity, *shape.omega, *wall.velocity])
+    numbers = (shape.lo, shape.hi, 0.0) if isinstance(shape, Slab) else (*shape.center, shape.radius)
+    return np.array([*numbers, *wall.velocity])
+
+
+MOVE = """
+@compiled
+def move_plane(g, dt):
+    for c in range(3):
+        g[3 + c] += dt * g[7 + c]
+    speed = sqrt(g[10] * g[10] + g[11] * g[11] + g[12] * g[12])
+    if speed > 0.0:
+        # Rodrigues: n cos + (k x n) sin + k (k.n)(1 - cos)
+        kx, ky, kz = g[10] / speed, g[11] / speed, g[12] / speed
+        turn, along = sin(speed * dt), 2.0 * sin(0.5 * speed * dt) ** 2
+        nx, ny, nz = g[0], g[1], g[2]
+        cx, cy, cz = ky * nz - kz * ny, kz * nx - kx * nz, kx * ny - ky * nx
+        g[0] = nx + turn * cx + along * (ky * cz - kz * cy)
+        g[1] = ny + turn * cy + along * (kz * cx - kx * cz)
+        g[2] = nz + turn * cz + along * (kx * cy - ky * cx)
+        size = sqrt(g[0] * g[0] + g[1] * g[1] + g[2] * g[2])
+        for c in range(3):
+            g[c] /= size
+"""
+
+
+def _wall_force_source(k: int, wall: Wall) -> str:
+    text = (HERE / "kernel_wall.py").read_text().partition("@compiled")
+    copy = "".join(text[1:]).replace("wall_", f"wall{k}_")
+    for name, arm in (("SURFACE_CONTACT", wall.law.surface_arm), ("TORQUE_CONTACT", wall.law.torque_arm)):
+        copy = copy.replace(name, str(arm == "contact"))
+    return copy.replace("BASE", str(len(memory_signs(wall.law)))) + "\n\n"
+
+
+def walls_source(walls: tuple[Wall, ...]) -> str:
+    """Sources of `wall_forces` and `wall_stored`: every wall in turn."""
+    forces, stored = [], []
+    for k, wall in enumerate(walls):
+        gap = f"wall{k}_reach(b.radius[i], coefficients, b.kind[i]) if touching[i] else 0.0" if goes_beyond(wall.law) else "0.0"
+        overlap = "b.radius[i] - way" if goes_beyond(wall.law) else "max(b.radius[i] - way, TINY)"
+        head = f"""
+    geometry, bit, coefficients, memory, touching = walls[{k}]
+    for i in range(b.x.shape[0]):
+        if not (b.mask[i] >> bit) & 1:
+            continue
+        gap = {gap}
+{_geometry_source(wall)}
+        overlap = {overlap}"""
+        forces.append(f"""{head}
+        if touches:
+            touching[i] = 1
+            wall{k}_force(i, nx, ny, nz, overlap, reff, wvx, wvy, wvz, b, memory, coefficients, dt, advance, tally)
+        elif touching[i]:
+            touching[i] = 0
+            wall_parting(i, {len(memory_signs(wall.law))}, wvx, wvy, wvz, b, memory, dt, advance, tally)
+""")
+        stored.append(f"""{head}
+        if touches:
+            vn = (b.v[i, 0] - wvx) * nx + (b.v[i, 1] - wvy) * ny + (b.v[i, 2] - wvz) * nz
+            en, et, er = wall{k}_stored(memory, i, overlap, b.radius[i], 0.0, reff, b.mass[i], vn, dt, coefficients, b.kind[i])
+            normal += en
+            tangential += et
+            rolling += er
+""")
+    copies = "".join(_wall_force_source(k, wall) for k, wall in enumerate(walls))
+    moves = [f"    move_plane(walls[{k}][0], dt)" for k, wall in enumerate(walls) if isinstance(wall.shape, Plane) and wall.shape.moving]
+    return f"""
+{copies}
+{MOVE if moves else ""}
+@compiled
+def move_walls(walls, dt):
+{chr(10).join(moves) or "    pass"}
+
+@compiled
+def wall_forces(b, walls, dt, advance, tally):
+    pass
+{"".join(forces)}
+
+@compiled
+def wall_stored(b, walls, dt):
+    normal = tangential = rolling = 0.0
+{"".join(stored)}
+    return normal, tangential, rolling
+"""
+
+
+def fields_source(scene: Scene) -> str:
+    """Source of `field_forces`: the fields of the scene in their order, in one loop over the particles."""
+    lines, drags = [], 0
+    for k, field in enumerate(scene.forces):
+        lines.append(f"        if (b.mask[i] >> bits[{k}]) & 1:")
+        if isinstance(field, Gravity):
+            lines += [f"            b.force[i, {c}] += b.mass[i] * numbers[{k}, {c}]" for c in range(3)]
+        elif isinstance(field, Viscous):
+            lines.append(f"            drag(i, gammas[{drags}, b.kind[i]], b, drag_memory[{drags}], dt, advance, tally)")
+            drags += 1
+        elif isinstance(field, SetForce):
+            lines += [f"            b.force[i, {c}] = numbers[{k}, {c}]" for c in range(3) if field.force[c] is not None] or ["            pass"]
+        elif isinstance(field, Freeze):
+            lines += ["            b.force[i] = 0.0", "            b.torque[i] = 0.0"]
+        elif isinstance(field, Enforce2D):
+            names = ("b.v[i, 2]", "b.force[i, 2]", "b.omega[i, 0]", "b.omega[i, 1]", "b.torque[i, 0]", "b.torque[i, 1]")
+            lines += [f"            {name} = 0.0" for name in names]
+    loop = "    numbers, bits, gammas, drag_memory = fields\n    for i in range(b.x.shape[0]):\n" + "\n".join(lines) if lines else "    pass"
+    return f"\n@compiled\ndef field_forces(b, fields, dt, advance, tally):\n{loop}\n"
