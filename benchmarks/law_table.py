@@ -35,8 +35,14 @@ def rows(found: dict[tuple[str, State], Difference], *, each: bool) -> Iterable[
         words = " ".join((law.style, *law.options)) if each else law.style
         groups.setdefault((law.dialect, words, state), []).append(difference)
     for (dialect, words, state), differences in groups.items():
-        worst = (f"{max(column):.0e}" for column in zip(*map(astuple, differences), strict=True))
-        yield f"| {ENGINE[dialect]} | {words} | {PLACE[state]} | {len(differences)} | {' | '.join(worst)} |"
+        yield f"| {ENGINE[dialect]} | {words} | {PLACE[state]} | {len(differences)} | {' | '.join(_worst(differences))} |"
+
+
+def _worst(differences: list[Difference]) -> Iterable[str]:
+    """Set-up and end, force and torque; behind the end what one unit in the last place grows to, where that was measured."""
+    found = [max(column) for column in zip(*map(astuple, differences), strict=True)]
+    for value, chaos in zip(found[:4], (0.0, 0.0, *found[4:]), strict=True):
+        yield f"{value:.0e}" + (f" (one ulp: {chaos:.0e})" if chaos else "")
 
 
 def main(words: list[str]) -> int:

@@ -6,7 +6,7 @@ import re
 import signal
 import sys
 import warnings
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, NoReturn
@@ -14,7 +14,9 @@ from typing import TYPE_CHECKING, Annotated, Any, NoReturn
 import typer
 
 from demverify.cli_erotate import erotate
-from demverify.errors import InputError
+from demverify.cli_reproduce import reproduce
+from demverify.cli_timestep import timestep
+from demverify.errors import InputError, Place
 
 if TYPE_CHECKING:
     from demverify.engines.base import Progress
@@ -27,6 +29,8 @@ app = typer.Typer(
 )  # fmt: skip
 
 app.command()(erotate)
+app.command()(reproduce)
+app.command()(timestep)
 
 Json = Annotated[Path | None, typer.Option("--json", metavar="FILE", help="Also write the result as JSON.")]
 Var = Annotated[
@@ -35,6 +39,7 @@ Var = Annotated[
 ]
 Threads = Annotated[int, typer.Option(min=1, max=256, help="Threads of the native engine.")]
 Ranks = Annotated[int, typer.Option(min=1, help="MPI ranks of LAMMPS and LIGGGHTS.")]
+Strict = Annotated[bool, typer.Option("--strict", help="Native engine: refuse a step above its stability limit, instead of warning.")]
 Timeout = Annotated[float, typer.Option(min=1.0, help="Time limit of one engine, in seconds.")]
 
 
@@ -84,6 +89,7 @@ def run(
     threads: Threads = 1,
     ranks: Ranks = 1,
     timeout: Timeout = 3600.0,
+    strict: Strict = False,
     json: Json = None,
 ) -> None:
     """Run a deck in one engine; leaves its dumps, thermo.csv and trajectory.h5 in a folder."""
@@ -96,9 +102,12 @@ def run(
     (name,) = _engines([engine]) or ("native",)
     variables = variables_of(var)
     _check(json)
+    if strict and name != "native":
+        message = f"--strict looks at runs of the native engine, not of {name}; demverify timestep --strict looks at the deck"
+        raise InputError(message)
     job = Job(deck, out, variables, output_interval(deck, variables, name), timeout, ranks, threads)
     with _bars() as watch:
-        found = execute(name, name, job, watch(name))
+        found = execute(name, name, job, watch(name), unstable=_refuser(deck) if strict else _warner(deck))
     if json:
         write_json(json, None, {name: engine_info(found)})
     if found.outcome.status != "ok":
@@ -141,6 +150,17 @@ def doctor(json: Json = None) -> None:
     if json:
         _write(json, rows)
     print_doctor(rows)
+
+
+def _warner(deck: Path) -> Callable[[str], None]:
+    return lambda message: print(f"demverify: warning: {deck}: {message}", file=sys.stderr)
+
+
+def _refuser(deck: Path) -> Callable[[str], NoReturn]:
+    def refuse(message: str) -> NoReturn:
+        raise InputError(message, Place(deck))
+
+    return refuse
 
 
 def _write(path: Path, what: object) -> None:

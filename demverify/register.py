@@ -30,6 +30,7 @@ class Features:
     pair_styles, wall_styles: "granular", "gran/hooke/history", "hooke/history" ...; LIGGGHTS "gran" and "model"; "region" walls.
     normal: hooke, hertz, hertz/material, hooke/stiffness, hertz/stiffness. damping: LAMMPS' words; "restitution" for LIGGGHTS
     hooke and hertz, "gamma" for its stiffness models; "none" when the coefficient is zero. tangential: off, no_history, history.
+    rolling: cdt, epsd, epsd2 (LIGGGHTS), sds (LAMMPS). twisting: marshall, sds (LAMMPS).
     switches: limit_damping (LIGGGHTS limitForce), viscous, ktToKnUser. cylinders: axes x y z. computes, fixes: styles.
     thermo: columns.
     friction: some coefficient is not zero. tangential_damping: some law has it.
@@ -42,6 +43,8 @@ class Features:
     normal: Words = frozenset()
     damping: Words = frozenset()
     tangential: Words = frozenset()
+    rolling: Words = frozenset()
+    twisting: Words = frozenset()
     switches: Words = frozenset()
     cylinders: Words = frozenset()
     computes: Words = frozenset()
@@ -63,6 +66,7 @@ NEEDS: dict[str, Callable[[Features], bool]] = {
     "walls": lambda f: bool(f.wall_styles),
     "cylinder": lambda f: bool(f.cylinders),
     "friction": lambda f: f.friction,
+    "resistance to turning": lambda f: bool(f.rolling | f.twisting),
     "tangential damping": lambda f: f.tangential_damping,
     "frozen": lambda f: f.frozen,
     "damping": lambda f: bool(f.damping - {"none"}),
@@ -80,6 +84,8 @@ WORD_LISTS = (
     "normal",
     "damping",
     "tangential",
+    "rolling",
+    "twisting",
     "switches",
     "cylinders",
     "computes",
@@ -222,6 +228,8 @@ def features_of(setup: Setup, runs: int) -> Features:
         normal=frozenset(law.normal for law in laws),
         damping=frozenset(law.damping for law in laws),
         tangential=frozenset(law.tangential for law in laws),
+        rolling=frozenset(law.rolling for law in laws) - {"none", "off"},
+        twisting=frozenset(law.twisting for law in laws) - {"none", "off"},
         switches=frozenset[str]().union(*(law.switches for law in laws)),
         cylinders=frozenset(word[0] for fix in _walls(setup) for word in fix.args if word.endswith("cylinder")),
         computes=frozenset(compute.style for compute in setup.computes.values()),
@@ -249,6 +257,8 @@ class _Law:
     mu: float = 0.0
     switches: Words = frozenset()
     rubs: bool = False  # has tangential damping
+    rolling: str = "off"
+    twisting: str = "off"
 
 
 def _pair_laws(setup: Setup) -> list[_Law]:
@@ -286,23 +296,25 @@ def _legacy(style: str, numbers: tuple[str, ...]) -> _Law:
 
 
 def _granular(words: tuple[str, ...]) -> _Law:
-    """`NORMAL numbers [tangential KIND [kt] xt mu] [damping KIND] [limit_damping]`."""
+    """`NORMAL numbers [tangential KIND [kt] xt mu] [damping KIND] [rolling KIND ...] [twisting KIND ...] [limit_damping]`."""
     tangential = _after(words, "tangential", "none")
     memory = {"none": "off", "linear_nohistory": "no_history"}.get(tangential, "history")
     mu_at = words.index(tangential) + (2 if memory == "no_history" else 3) if memory != "off" else len(words)
     damping = "none" if len(words) > 2 and _number(words, 2) == 0 else _after(words, "damping", "viscoelastic")
     rubs = damping != "none" and _number(words, mu_at - 1) != 0 and memory != "off"
-    return _Law(words[0], damping, memory, _number(words, mu_at), frozenset({"limit_damping"}) & frozenset(words), rubs)
+    limit = frozenset({"limit_damping"}) & frozenset(words)
+    return _Law(words[0], damping, memory, _number(words, mu_at), limit, rubs, _after(words, "rolling", "off"), _after(words, "twisting", "off"))
 
 
 def _liggghts(words: tuple[str, ...]) -> _Law:
-    """`model NORMAL [tangential KIND] ... [SWITCH on|off]`; friction stands in a fix property/global."""
+    """`model NORMAL [tangential KIND] ... [rolling_friction KIND] ... [SWITCH on|off]`; friction stands in a fix property/global."""
     normal = _after(words, "model", "hooke")
     on = {name for name, state in pairwise(words) if state == "on"}
     switches = {"limit_damping" if name == "limitForce" else name for name in on}
     damping = "gamma" if normal.endswith("/stiffness") else "restitution"
     tangential = _after(words, "tangential", "off")
-    return _Law(normal, damping, tangential, 0.0, frozenset(switches), tangential != "off" and _after(words, "tangential_damping", "on") == "on")
+    rubs = tangential != "off" and _after(words, "tangential_damping", "on") == "on"
+    return _Law(normal, damping, tangential, 0.0, frozenset(switches), rubs, _after(words, "rolling_friction", "off"))
 
 
 def _liggghts_property(setup: Setup, name: str, zero: float = 0.0) -> bool:

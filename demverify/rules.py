@@ -8,10 +8,10 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from demsolver import contact
 from demsolver.scene import ContactLaw, Cylinder, Scene, Wall
 
-FRICTION = "liggghts_history"
+FRICTION = {"classic_history": "liggghts_history", "rotated_history": "liggghts_history"}
+"""The spring both have, under its other rules. Springs that one of them alone has (mindlin_rescale ...) are another scene, not another rule."""
 
 
 def under_liggghts_rules(scene: Scene, other: Scene) -> Scene:
@@ -27,8 +27,7 @@ def under_liggghts_rules(scene: Scene, other: Scene) -> Scene:
 
 
 def _law(law: ContactLaw) -> ContactLaw:
-    friction = FRICTION if law.friction != "none" and contact.memory("friction", law.friction) else law.friction
-    return replace(law, friction=friction, surface_arm="contact", torque_arm="contact")
+    return replace(law, friction=FRICTION.get(law.friction, law.friction), surface_arm="contact", torque_arm="contact")
 
 
 def _wall(wall: Wall) -> Wall:

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from demsolver.scene import Plane
 from demverify.deck import convert_laws as laws
 from demverify.deck.command import Executed
 from demverify.deck.scene_builder import LOST
@@ -24,6 +25,7 @@ if TYPE_CHECKING:
     from demsolver.scene import ContactLaw
     from demverify.runs import Plan
 
+WALLS = ("wall/gran", "wall/gran/region")
 WATCHING = ("dump", "dump_modify", "undump", "fix", "unfix")  # left out where the reader did: the other engine may not know the style
 STATE = (
     "create_box", "create_atoms", "read_data", "set", "velocity", "displace_atoms", "lattice", "mass", "density", "diameter", "molecule",
@@ -111,7 +113,7 @@ class _Translator:
             if not self._ran and "lost" not in self.setup.thermo.modify:  # the dialects differ in the default
                 yield f"thermo_modify lost {LOST[self.plan.dialect]}"
             self._ran = True
-        if self._ran and (name in ("pair_style", "pair_coeff") or (name == "fix" and words[3] in ("wall/gran", "property/global"))):
+        if self._ran and (name in ("pair_style", "pair_coeff") or (name == "fix" and words[3] in (*WALLS, "property/global"))):
             message = f"{' '.join(words[:4])}: contact laws that change between runs are not converted"
             raise InputError(message, executed.place)
         if name in STATE and self.handover and not self._ran:
@@ -178,8 +180,11 @@ class _Translator:
 
     def _fix(self, words: tuple[str, ...]) -> Iterator[str]:
         style = words[3]
-        if style == "wall/gran":
+        if style in WALLS:
             yield from self._wall(words)
+        elif style == "euler/sphere":
+            message = f"fix {words[1]} euler/sphere: {self.target} has no such integrator, only the native engine"
+            raise InputError(message, self.place)
         elif style in ("property/global", "check/timestep/gran"):
             self._written[words[1]] = []
         elif style == "nve/sphere" and self.target == "liggghts":
@@ -197,14 +202,15 @@ class _Translator:
         index = names.index(words[1])
         wall = self.scene.walls[index]
         head = " ".join(("fix", words[1], words[2], "wall/gran"))
-        if any(wall.velocity):
+        if any(wall.velocity) or (isinstance(wall.shape, Plane) and wall.shape.moving):
             message = f"fix {words[1]}: a moving wall is not converted"
             raise InputError(message, self.place)
         if self.target == "lammps":
             written.append(words[1])
             yield f"{head} {laws.lammps_wall(wall, self.scene.particles, self.place)}"
             return
-        for k, text in enumerate(laws.liggghts_walls(wall, laws.liggghts_style(self.walls[index], self.place), self.wall_types[index])):
+        style = laws.liggghts_style(self.walls[index], self.place)
+        for k, text in enumerate(laws.liggghts_walls(wall, style, self.wall_types[index], self.place)):
             written.append(words[1] if k == 0 else f"{words[1]}_{k}")
             yield f"fix {written[-1]} {words[2]} wall/gran {text}"
 
@@ -217,7 +223,7 @@ class _Translator:
 
     def _thermo_style(self, words: tuple[str, ...]) -> Iterator[str]:
         if words[1] == "custom":
-            yield " ".join(words)
+            yield " ".join(word for word in words if self.target == "liggghts" or not word.startswith("f_"))  # of fix check/timestep/gran
             if "norm" not in self.setup.thermo.modify:
                 yield f"thermo_modify norm {'yes' if self.setup.units == 'lj' else 'no'}"
 

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from demsolver.scene import ContactLaw, Cylinder, Particles, Slab, Wall
+from demsolver.scene import ContactLaw, Cylinder, Particles, Plane, Slab, Wall
 from demverify.errors import InputError, Place
 
 FRICTION = {"none": "off", "no_history": "no_history", "classic_history": "history", "rotated_history": "history", "liggghts_history": "history"}
@@ -100,8 +100,18 @@ def material_wall_types(pair: ContactLaw, walls: list[ContactLaw], place: Place 
     return types
 
 
+def _check_shared(law: ContactLaw, other: str, place: Place | None) -> None:
+    """Raises InputError for a part of the law that the other engine does not have."""
+    alone = [f"{family} {name}" for family in ("cohesion", "rolling", "twisting") if (name := getattr(law, family)) != "none"]
+    alone += [f"friction {law.friction}"] * (law.friction not in FRICTION)
+    if alone:
+        message = f"{other} has no law like {' and '.join(alone)}; write the {other} deck by hand"
+        raise InputError(message, place)
+
+
 def liggghts_style(law: ContactLaw, place: Place | None) -> str:
     """`model ... tangential ... switches` of a LAMMPS law. Raises InputError for a law LIGGGHTS does not have."""
+    _check_shared(law, "LIGGGHTS", place)
     if is_material(law):
         switches = [*_tangential_switch(law, place), *(["limitForce on"] * law.limit_damping)]
         return " ".join(["model hertz tangential", FRICTION[law.friction], *switches])
@@ -164,17 +174,31 @@ def property_lines(tables: list[Table]) -> Iterator[str]:
         yield f"fix property_{table.name} all property/global {table.name} {kind} {numbers}"
 
 
-def liggghts_walls(wall: Wall, style: str, kind: int) -> Iterator[str]:
-    """One `fix wall/gran` a plane."""
-    axis = "xyz"[wall.shape.axis]
-    if isinstance(wall.shape, Cylinder):
+def _upright(wall: Wall, place: Place | None) -> Slab | Cylinder:
+    """The shape of a wall in the words both engines have. Raises InputError for a plane that stands across no axis, moves, or has one side."""
+    shape = wall.shape
+    if not isinstance(shape, Plane):
+        return shape
+    across = [axis for axis, part in enumerate(shape.normal) if part != 0.0]
+    if shape.moving or shape.one_sided or len(across) != 1:
+        which = "moves" if shape.moving else "is felt from one side" if shape.one_sided else "stands across no axis"
+        message = f"wall {wall.name}: a plane that {which} is not converted; write that wall by hand"
+        raise InputError(message, place)
+    return Slab(across[0], lo=-shape.offset / shape.normal[across[0]])
+
+
+def liggghts_walls(wall: Wall, style: str, kind: int, place: Place | None) -> Iterator[str]:
+    """One `fix wall/gran` a plane. Raises InputError for a plane that LIGGGHTS cannot say."""
+    shape = _upright(wall, place)
+    axis = "xyz"[shape.axis]
+    if isinstance(shape, Cylinder):
         model, switches = _before_switches(style)
-        yield f"{model} primitive type {kind} {axis}cylinder {wall.shape.radius:.17g} 0 0 {switches}".rstrip()
+        yield f"{model} primitive type {kind} {axis}cylinder {shape.radius:.17g} 0 0 {switches}".rstrip()
         return
-    for place in (wall.shape.lo, wall.shape.hi):
-        if np.isfinite(place):
+    for height in (shape.lo, shape.hi):
+        if np.isfinite(height):
             model, switches = _before_switches(style)
-            yield f"{model} primitive type {kind} {axis}plane {place:.17g} {switches}".rstrip()
+            yield f"{model} primitive type {kind} {axis}plane {height:.17g} {switches}".rstrip()
 
 
 def _before_switches(style: str) -> tuple[str, str]:
@@ -198,17 +222,19 @@ def lammps_wall(wall: Wall, particles: Particles, place: Place | None) -> str:
         message = f"wall {wall.name} has another law for each particle type, which LAMMPS' wall/gran cannot say; write the LAMMPS deck by hand"
         raise InputError(message, place)
     words = lammps_law(wall.law, first, _sizes(particles, ()), place)
-    axis = "xyz"[wall.shape.axis]
-    if isinstance(wall.shape, Slab):
-        return f"granular {words} {axis}plane {wall.shape.lo:.17g} NULL"
-    if wall.shape.axis != 2 or wall.shape.center != (0.0, 0.0):
+    shape = _upright(wall, place)
+    axis = "xyz"[shape.axis]
+    if isinstance(shape, Slab):
+        return f"granular {words} {axis}plane {shape.lo:.17g} NULL"
+    if shape.axis != 2 or shape.center != (0.0, 0.0):
         message = f"wall {wall.name}: LAMMPS' wall/gran has cylinders about the z axis only"
         raise InputError(message, place)
-    return f"granular {words} zcylinder {wall.shape.radius:.17g}"
+    return f"granular {words} zcylinder {shape.radius:.17g}"
 
 
 def lammps_law(law: ContactLaw, c: dict[str, float], sizes: tuple[float, float] | None, place: Place | None) -> str:
     """`NORMAL numbers tangential ... damping ...` of pair granular. sizes: (reff, meff) where all contacts share them."""
+    _check_shared(law, "LAMMPS", place)
     form = NORMALS.get((law.normal, law.damping))
     if form is None:
         message = f"LAMMPS has no law like LIGGGHTS' {law.normal} with damping {law.damping}; write the LAMMPS deck by hand"

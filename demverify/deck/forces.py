@@ -7,7 +7,7 @@ from math import cos, pi, sin, sqrt
 
 import numpy as np
 
-from demsolver.scene import Enforce2D, Force, Freeze, Gravity, NveSphere, SetForce, Viscous
+from demsolver.scene import Enforce2D, EulerSphere, Force, Freeze, Gravity, NveSphere, SetForce, Viscous
 from demverify.deck.materials_common import Words, group_bit
 from demverify.deck.setup import Setup, Spec
 
@@ -91,8 +91,10 @@ def viscous(setup: Setup, spec: Spec) -> Viscous:
     return Viscous(gamma, group_bit(setup, spec))
 
 
-def nve_sphere(setup: Setup, spec: Spec) -> NveSphere:
-    """fix nve/sphere [disc]: discs, I = m R^2/2, are what LIGGGHTS takes in two dimensions (measured) and LAMMPS when asked."""
+def integrator(setup: Setup, spec: Spec) -> NveSphere | EulerSphere:
+    """fix nve/sphere [disc]: discs, I = m R^2/2, are what LIGGGHTS takes in two dimensions (measured) and LAMMPS when asked.
+
+    fix euler/sphere [disc], of the native engine alone: semi-implicit Euler."""
     words = _words(spec)
     disc = setup.dialect == "liggghts" and setup.dimension == 2
     while words:
@@ -100,7 +102,7 @@ def nve_sphere(setup: Setup, spec: Spec) -> NveSphere:
         if setup.dimension != 2:
             raise words.error("disc needs dimension 2")
         disc = True
-    return NveSphere(group_bit(setup, spec), 0.5 if disc else 0.4)
+    return INTEGRATORS[spec.style](group_bit(setup, spec), 0.5 if disc else 0.4)
 
 
 FORCES: dict[str, Callable[[Setup, Spec], Force]] = {
@@ -110,4 +112,5 @@ FORCES: dict[str, Callable[[Setup, Spec], Force]] = {
     "setforce": setforce,
     "viscous": viscous,
 }
-CHECKS: dict[str, Callable[[Setup, Spec], object]] = {**FORCES, "nve/sphere": nve_sphere}
+INTEGRATORS: dict[str, type[NveSphere | EulerSphere]] = {"nve/sphere": NveSphere, "euler/sphere": EulerSphere}
+CHECKS: dict[str, Callable[[Setup, Spec], object]] = {**FORCES, **dict.fromkeys(INTEGRATORS, integrator)}

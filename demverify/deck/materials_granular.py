@@ -1,7 +1,6 @@
-"""The words of LAMMPS' granular models (pair_style granular, fix wall/gran granular) -> contact laws and their coefficients.
+"""LAMMPS' granular models (pair_style granular, fix wall/gran granular) -> contact laws and their coefficients.
 
-A normal law that exists as `demsolver/contact/normal_<word>.py` needs nothing here: its coefficients are read from the deck in
-the order of its signature, then the damping coefficient. Mixing and material rules were measured on the wheel of 22 July 2025.
+Read from the deck by materials_granular_words. Mixing and material rules were measured on the wheel of 22 July 2025.
 """
 
 from __future__ import annotations
@@ -11,23 +10,31 @@ from math import log, pi, sqrt
 
 from demsolver import contact
 from demsolver.scene import ContactLaw
-from demverify.deck.materials_common import Words
 
-MATERIAL = "hertz/material"
+MATERIALS = {  # deck word of a normal model with material constants -> law, what stands behind E, damping number and Poisson's ratio
+    "dmt": ("dmt", ("surface energy",)),
+    "jkr": ("jkr", ("surface energy",)),
+    "hertz/material": ("hertz", ()),
+}
+COHESIVE = ("dmt", "jkr")
 TANGENTIAL = {  # deck word -> tangential_stiffness, friction
     "linear_nohistory": ("none", "no_history"),
     "linear_history": ("constant", "rotated_history"),
     "mindlin": ("mindlin", "rotated_history"),
+    "mindlin/force": ("mindlin", "mindlin_force"),
+    "mindlin_rescale": ("mindlin", "mindlin_rescale"),
+    "mindlin_rescale/force": ("mindlin", "mindlin_rescale_force"),
+    "primer": ("constant", "primer"),  # of the native engine alone
 }
-ABSENT = ("rolling", "twisting")  # models that the deck may switch off by name
 
 
 @dataclass(frozen=True)
 class Model:
     """One granular model as the deck wrote it.
 
-    normal_numbers: the normal law's coefficients, then the damping number; for hertz/material E, damping number, Poisson's ratio.
-    kt: None where the deck has NULL or the law has no spring. mixed: two materials were mixed, E is already E*.
+    normal_numbers: the normal law's coefficients, then the damping number if there is one; of MATERIALS E, damping number, Poisson's ratio,
+    and the rest. damping "none": a step law, which has no damping number. kt: None where the deck has NULL or the law has no spring.
+    rolling_numbers, twisting_numbers: k, gamma, mu where the model has them. mixed: two materials were mixed, E is already E*.
     """
 
     normal: str
@@ -38,17 +45,26 @@ class Model:
     xt: float
     mu: float
     limit_damping: bool
+    rolling: str = "none"
+    rolling_numbers: tuple[float, ...] = ()
+    twisting: str = "none"
+    twisting_numbers: tuple[float, ...] = ()
     mixed: bool = False
 
     @property
-    def form(self) -> tuple[str, str, str]:
+    def form(self) -> tuple[str, ...]:
         """Names of the sub-models; only equal forms mix."""
-        return self.normal, self.damping, self.tangential
+        return self.normal, self.damping, self.tangential, self.rolling, self.twisting
 
     @property
     def damping_number(self) -> float:
         """The damping coefficient of the normal model."""
-        return self.normal_numbers[1 if self.normal == MATERIAL else -1]
+        return self.normal_numbers[1 if self.normal in MATERIALS else -1]
+
+    @property
+    def poisson(self) -> float:
+        """Poisson's ratio; 0 where the model has none."""
+        return self.normal_numbers[2] if self.normal in MATERIALS else 0.0
 
 
 @dataclass(frozen=True)
@@ -59,73 +75,32 @@ class Laws:
     coefficients: dict[str, float]
 
 
-def damping_words() -> tuple[str, ...]:
-    """Damping models a deck may name: every damping law with one coefficient, and the two that derive it from a restitution."""
-    plain = (name for name in contact.listing("damping") if len(contact.coefficients("damping", name)) == 1)
-    return (*plain, "coeff_restitution", "tsuji")
-
-
-def parse(words: Words, stop: tuple[str, ...] = ()) -> Model:
-    """Reads a model up to the end, or to a word of `stop`. Raises InputError."""
-    normal = words.choice("normal model", (*contact.listing("normal"), MATERIAL))
-    numbers = _normal_numbers(words, normal)
-    damping, limit = "viscoelastic", False
-    tangential: tuple[str, float | None, float, float] | None = None
-    while words and words.peek() not in stop:
-        keyword = words.choice("keyword", ("damping", "tangential", *ABSENT, "limit_damping", "cutoff"))
-        if keyword == "damping":
-            damping = words.choice("damping model", damping_words())
-        elif keyword == "tangential":
-            tangential = _tangential(words, normal)
-        elif keyword == "limit_damping":
-            limit = True
-        elif keyword == "cutoff":
-            raise words.error("keyword cutoff is not supported yet; leave it out, particles interact when they touch")
-        elif words.take(f"{keyword} model") != "none":
-            raise words.error(f"{keyword} models are not supported yet; supported: {keyword} none")
-    if tangential is None:
-        raise words.error(f"needs a tangential model: tangential {' | '.join(TANGENTIAL)}")
-    model = Model(normal, numbers, damping, *tangential, limit)
-    _check_restitution(words, model)
-    return model
-
-
-def _normal_numbers(words: Words, normal: str) -> tuple[float, ...]:
-    if normal == MATERIAL:
-        young, damping = words.positive("Young's modulus"), words.number("damping coefficient", 0.0)
-        return young, damping, words.number("Poisson's ratio", -0.99, 0.5)
-    names = (*contact.coefficients("normal", normal), "damping coefficient")
-    return tuple(words.number(name, 0.0) for name in names)
-
-
-def _tangential(words: Words, normal: str) -> tuple[str, float | None, float, float]:
-    """(model, kt or None, xt, mu)."""
-    model = words.choice("tangential model", TANGENTIAL)
-    kt = None
-    if model == "mindlin" and words.skip("NULL"):
-        if normal != MATERIAL:
-            raise words.error(f"kt NULL needs a normal model with material constants: {MATERIAL}")
-    elif model != "linear_nohistory":
-        kt = words.number("kt", 0.0)
-    return model, kt, words.number("xt", 0.0), words.number("mu", 0.0)
-
-
-def _check_restitution(words: Words, model: Model) -> None:
-    if model.damping in ("tsuji", "coeff_restitution"):
-        low = 0.0 if model.damping == "tsuji" else 1e-300
-        words.within(f"restitution of damping {model.damping}", model.damping_number, low, 1.0)
-
-
 def mix(a: Model, b: Model) -> Model:
     """The model of two types whose pair has no coefficients of its own; a.form == b.form. Everything mixes geometrically, except
-    E and nu of hertz/material, which give E*."""
-    numbers = tuple(sqrt(p * q) for p, q in zip(a.normal_numbers, b.normal_numbers, strict=True))
-    if a.normal == MATERIAL:
-        (young_a, _, nu_a), (young_b, _, nu_b) = a.normal_numbers, b.normal_numbers
+    E and nu of a material, which give E*. The two Poisson's ratios must be of one sign."""
+    numbers = _geometric(a.normal_numbers, b.normal_numbers)
+    if a.normal in MATERIALS:
+        (young_a, _, nu_a), (young_b, _, nu_b) = a.normal_numbers[:3], b.normal_numbers[:3]
         numbers = (effective_young(young_a, nu_a, young_b, nu_b), *numbers[1:])
-    kt = None if a.kt is None or b.kt is None else sqrt(a.kt * b.kt)
-    xt, mu = sqrt(a.xt * b.xt), sqrt(a.mu * b.mu)
-    return Model(*a.form[:1], numbers, *a.form[1:], kt, xt, mu, a.limit_damping or b.limit_damping, mixed=True)
+    return Model(
+        a.normal,
+        numbers,
+        a.damping,
+        a.tangential,
+        None if a.kt is None or b.kt is None else sqrt(a.kt * b.kt),
+        sqrt(a.xt * b.xt),
+        sqrt(a.mu * b.mu),
+        a.limit_damping or b.limit_damping,
+        a.rolling,
+        _geometric(a.rolling_numbers, b.rolling_numbers),
+        a.twisting,
+        _geometric(a.twisting_numbers, b.twisting_numbers),
+        mixed=True,
+    )
+
+
+def _geometric(a: tuple[float, ...], b: tuple[float, ...]) -> tuple[float, ...]:
+    return tuple(sqrt(p * q) for p, q in zip(a, b, strict=True))
 
 
 def laws(model: Model) -> Laws:
@@ -133,21 +108,42 @@ def laws(model: Model) -> Laws:
     normal, coefficients = _normal_law(model)
     damping, damping_coefficients = _damping_law(model)
     stiffness, friction = TANGENTIAL[model.tangential]
+    tangential_damping = "none" if model.damping == "none" else "scaled"
     tangential = {"xt": model.xt, "mu": model.mu}
-    if model.tangential != "linear_nohistory":
+    if model.tangential != "linear_nohistory" or model.twisting == "marshall":
         tangential["shear_stiffness"] = _shear_stiffness(model)
-    law = ContactLaw(normal, damping, stiffness, "scaled", friction, {}, limit_damping=model.limit_damping)
-    return Laws(law, coefficients | damping_coefficients | tangential)
+    law = ContactLaw(
+        normal,
+        damping,
+        stiffness,
+        tangential_damping,
+        friction,
+        {},
+        limit_damping=model.limit_damping,
+        rolling=model.rolling,
+        twisting=model.twisting,
+    )
+    against_turning = _named("rolling", model.rolling, model.rolling_numbers) | _named("twisting", model.twisting, model.twisting_numbers)
+    return Laws(law, coefficients | damping_coefficients | tangential | against_turning)
+
+
+def _named(family: contact.Family, law: str, numbers: tuple[float, ...]) -> dict[str, float]:
+    """The numbers by the names of the law's own coefficients; a law without numbers takes those of its neighbours."""
+    return dict(zip(contact.coefficients(family, law), numbers, strict=True)) if numbers else {}
 
 
 def _normal_law(model: Model) -> tuple[str, dict[str, float]]:
-    if model.normal != MATERIAL:
+    if model.normal not in MATERIALS:
         return model.normal, dict(zip(contact.coefficients("normal", model.normal), model.normal_numbers, strict=False))
-    young, _, nu = model.normal_numbers
-    return "hertz", {"kn": 4.0 / 3.0 * (young if model.mixed else effective_young(young, nu, young, nu))}
+    young, _, nu, *rest = model.normal_numbers
+    young = young if model.mixed else effective_young(young, nu, young, nu)
+    stiffness = {"yeff": young} if model.normal == "jkr" else {"kn": 4.0 / 3.0 * young}
+    return MATERIALS[model.normal][0], stiffness | dict(zip(("surface_energy",), rest, strict=False))
 
 
 def _damping_law(model: Model) -> tuple[str, dict[str, float]]:
+    if model.damping == "none":
+        return "none", {}
     number = model.damping_number
     if model.damping == "tsuji":
         return "fraction", {"damping_fraction": tsuji_fraction(number)}
@@ -157,10 +153,12 @@ def _damping_law(model: Model) -> tuple[str, dict[str, float]]:
 
 
 def _shear_stiffness(model: Model) -> float:
-    """kt, or 8 G* where the deck has NULL. For mixed materials the wheel puts E* in the place of E here (measured)."""
+    """kt, or 8 G* where the deck has NULL; 0 without a spring. For mixed materials the wheel puts E* in the place of E here (measured)."""
+    if model.tangential == "linear_nohistory":
+        return 0.0
     if model.kt is not None:
         return model.kt
-    young, _, nu = model.normal_numbers
+    young, _, nu = model.normal_numbers[:3]
     return 8.0 * effective_shear(young, nu, young, nu)
 
 

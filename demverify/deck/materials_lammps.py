@@ -11,9 +11,11 @@ from math import inf
 
 import numpy as np
 
-from demsolver.scene import Arm, ContactLaw, Cylinder, Slab, Wall
+from demsolver.scene import Arm, ContactLaw, Cylinder, Plane, Slab, Wall
 from demverify.deck import materials_granular as granular
 from demverify.deck.materials_common import AXES, Words, constant_shear, group_bit, pair_tables
+from demverify.deck.materials_granular_words import parse
+from demverify.deck.planes import checked, moving_plane, region_plane
 from demverify.deck.setup import Floats, Setup, Spec
 from demverify.errors import InputError, Place
 
@@ -25,7 +27,7 @@ CLASSIC = {  # style -> laws; pairs are called gran/<style>
 PAIR_STYLES = (*(f"gran/{style}" for style in CLASSIC), "granular")
 WALL_STYLES = ("granular", *CLASSIC)
 PLANES = tuple(f"{axis}plane" for axis in AXES)
-SHAPES = (*PLANES, "zcylinder", "region")
+SHAPES = (*PLANES, "zcylinder", "region", "plane")  # plane: of the native engine alone
 
 
 def pair_law(setup: Setup) -> ContactLaw | None:
@@ -46,8 +48,20 @@ def pair_law(setup: Setup) -> ContactLaw | None:
 
 
 def walls(setup: Setup) -> tuple[Wall, ...]:
-    """The walls of all `fix wall/gran`, in the order of the deck."""
-    return tuple(_wall(setup, fix) for fix in setup.fixes.values() if fix.style == "wall/gran")
+    """The walls of all `fix wall/gran` and `fix wall/gran/region`, in the order of the deck."""
+    return tuple(_wall(setup, fix) for fix in setup.fixes.values() if fix.style in ("wall/gran", "wall/gran/region"))
+
+
+def elastic(setup: Setup) -> tuple[Floats, Floats]:
+    """Young's modulus and Poisson's ratio, (ntypes,) each, as `pair_coeff I I` gives them to a material; NaN for a type without them."""
+    young, poisson = np.full(setup.ntypes, np.nan), np.full(setup.ntypes, np.nan)
+    for coeffs, place in setup.pair_coeffs if (setup.pair_style or ("",))[0] == "granular" else ():
+        words = Words(coeffs, "pair_coeff", place)
+        own = [i - 1 for i, j in _pairs(words, setup.ntypes) if i == j]
+        model = parse(words)
+        material = model.normal in granular.MATERIALS
+        young[own], poisson[own] = (model.normal_numbers[0], model.poisson) if material else (np.nan, np.nan)
+    return young, poisson
 
 
 def _classic(words: Words, style: str, shape: tuple[int, ...]) -> ContactLaw:
@@ -122,7 +136,7 @@ def _granular_pairs(setup: Setup) -> ContactLaw:
     for coeffs, place in setup.pair_coeffs:
         words = Words(coeffs, "pair_coeff", place)
         pairs = _pairs(words, setup.ntypes)
-        given.update(dict.fromkeys(pairs, granular.parse(words)))
+        given.update(dict.fromkeys(pairs, parse(words)))
     _require_all_types(setup, set(given))
     laws = {
         (i, j): granular.laws(given.get((i, j)) or _mixed(given[i, i], given[j, j], (i, j), place))
@@ -137,6 +151,12 @@ def _granular_pairs(setup: Setup) -> ContactLaw:
 def _mixed(a: granular.Model, b: granular.Model, pair: tuple[int, int], place: Place | None) -> granular.Model:
     if a.form != b.form:
         message = f"pair_coeff {pair[0]} {pair[1]} is missing and cannot be mixed: {' '.join(a.form)} is not {' '.join(b.form)}"
+        raise InputError(message, place)
+    if a.poisson * b.poisson < 0.0:
+        message = (
+            f"pair_coeff {pair[0]} {pair[1]} is missing and cannot be mixed: the Poisson's ratios {a.poisson:g} and {b.poisson:g}"
+            " have no geometric mean"
+        )
         raise InputError(message, place)
     return granular.mix(a, b)
 
@@ -156,10 +176,12 @@ def _granular_law(laws: granular.Laws, coefficients: dict[str, Floats], torque_a
 
 
 def _wall(setup: Setup, fix: Spec) -> Wall:
-    words = Words(fix.args, f"fix {fix.id} wall/gran", fix.place)
+    words = Words(fix.args, f"fix {fix.id} {fix.style}", fix.place)
     law = _wall_law(words, words.choice("style", WALL_STYLES), setup.ntypes)
-    shape = _shape(words, setup)
+    shape = region_plane(words, setup) if fix.style == "wall/gran/region" else _shape(words, setup)
     velocity = (0.0, 0.0, 0.0)
+    if isinstance(shape, Plane):
+        return Wall(fix.id, checked(words, shape, setup), law, group_bit(setup, fix))
     while words:
         option = words.choice("option", ("shear", "contacts", "wiggle"))
         if option == "wiggle":
@@ -173,14 +195,16 @@ def _wall(setup: Setup, fix: Spec) -> Wall:
 def _wall_law(words: Words, style: str, ntypes: int) -> ContactLaw:
     if style != "granular":
         return _classic(words, style, (ntypes,))
-    laws = granular.laws(granular.parse(words, SHAPES))
+    laws = granular.laws(parse(words, SHAPES))
     return _granular_law(laws, {name: np.full(ntypes, value) for name, value in laws.coefficients.items()}, "radius")
 
 
-def _shape(words: Words, setup: Setup) -> Slab | Cylinder:
+def _shape(words: Words, setup: Setup) -> Slab | Cylinder | Plane:
     word = words.choice("wall", SHAPES)
     if word == "region":
-        raise words.error("region walls are not supported yet; supported: xplane yplane zplane zcylinder")
+        raise words.error("takes a region as fix wall/gran/region alone")
+    if word == "plane":
+        return moving_plane(words)
     axis = AXES.index(word[0])
     walled = (axis,) if word in PLANES else (0, 1)
     periodic = [k for k in walled if setup.boundary[k] == "pp"]

@@ -5,7 +5,7 @@ The rules are those of LIGGGHTS 3.8.0 as measured (tests/demverify/deck_material
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import dataclass, replace
 from math import inf, pi, sqrt
 
@@ -26,6 +26,10 @@ SWITCHES = {
     "hertz/stiffness": COMMON,
 }
 ON_BY_DEFAULT = ("tangential_damping",)
+COHESION = {"off": "none", "sjkr": "sjkr"}
+ROLLING = {"off": "none", "cdt": "cdt", "epsd": "epsd", "epsd2": "epsd2"}
+SURFACE = ("default",)
+PART_OF = {"tangential_reduce": "cohesion", "torsionTorque": "rolling_friction"}
 TWO_SEVENTHS = 0.285714286  # as LIGGGHTS writes it
 PLANES = tuple(f"{axis}plane" for axis in AXES)
 CYLINDERS = tuple(f"{axis}cylinder" for axis in AXES)
@@ -33,12 +37,20 @@ CYLINDERS = tuple(f"{axis}cylinder" for axis in AXES)
 
 @dataclass(frozen=True)
 class Model:
-    """`model M tangential T` with the switches that are on."""
+    """`model M tangential T cohesion C rolling_friction R` with the switches that are on."""
 
     normal: str
     tangential: str
+    cohesion: str
+    rolling: str
     on: frozenset[str] = frozenset()
     place: Place | None = None
+
+    @property
+    def switches(self) -> tuple[str, ...]:
+        """The switches that these models have."""
+        there = {"cohesion": self.cohesion != "off", "rolling_friction": self.rolling != "off"}
+        return (*SWITCHES[self.normal], *(name for name, part in PART_OF.items() if there[part]))
 
 
 @dataclass(frozen=True)
@@ -72,15 +84,22 @@ def walls(setup: Setup) -> tuple[Wall, ...]:
 
 
 def _model(words: Words) -> Model:
-    """`model M [tangential T] [cohesion off] [rolling_friction off] [surface default]`; in this order only."""
+    """`model M [tangential T] [cohesion C] [rolling_friction R] [surface default]`; in this order only."""
     if not words.skip("model"):
         raise words.error(f"must begin with model {' | '.join(SWITCHES)}")
     normal = words.choice("model", SWITCHES)
     tangential = words.choice("tangential model", FRICTION) if words.skip("tangential") else "off"
-    for keyword, supported in (("cohesion", "off"), ("rolling_friction", "off"), ("surface", "default")):
-        if words.skip(keyword) and (name := words.take(f"{keyword} model")) != supported:
-            raise words.error(f"{keyword} {name} is not supported yet; supported: {keyword} {supported}")
-    return Model(normal, tangential, place=words.place)
+    cohesion, rolling = _part(words, "cohesion", COHESION), _part(words, "rolling_friction", ROLLING)
+    _part(words, "surface", SURFACE)
+    return Model(normal, tangential, cohesion, rolling, place=words.place)
+
+
+def _part(words: Words, keyword: str, supported: Collection[str]) -> str:
+    """`KEYWORD NAME`, or the first of `supported`."""
+    name = words.take(f"{keyword} model") if words.skip(keyword) else next(iter(supported))
+    if name not in supported:
+        raise words.error(f"{keyword} {name} is not supported yet; supported: {keyword} {' | '.join(supported)}")
+    return name
 
 
 def _switches(words: Words, model: Model) -> Model:
@@ -89,7 +108,9 @@ def _switches(words: Words, model: Model) -> Model:
     while words:
         if words.peek() in ("tangential", "cohesion", "rolling_friction", "surface"):
             raise words.error(f"has {words.peek()} too late; the order is {order}")
-        name = words.choice(f"switch of model {model.normal}", SWITCHES[model.normal])
+        if (part := PART_OF.get(words.peek())) and words.peek() not in model.switches:
+            raise words.error(f"has {words.peek()} without a {part} model, whose switch it is")
+        name = words.choice(f"switch of model {model.normal}", model.switches)
         state = words.choice(f"switch {name}", ("on", "off"))
         on = on | {name} if state == "on" else on - {name}
     return replace(model, on=frozenset(on))
@@ -111,18 +132,39 @@ def _law(setup: Setup, model: Model) -> ContactLaw:
     parts = PARTS[model.normal](properties, model.on)
     friction, tables = FRICTION[model.tangential], dict(parts.tables)
     if friction != "none":
-        tables["mu"] = properties.pairs("coefficientFriction")
+        tables["mu"] = properties.pairs("coefficientFriction", 0.0)
     return ContactLaw(
         normal=parts.normal,
         damping=parts.damping,
-        tangential_stiffness=parts.stiffness if friction != "none" else "none",
+        tangential_stiffness=parts.stiffness if friction != "none" or model.rolling == "epsd2" else "none",
         tangential_damping=parts.tangential_damping if friction != "none" and "tangential_damping" in model.on else "none",
         friction=friction,
-        coefficients=tables,
+        coefficients=tables | _cohesion(setup, model) | _rolling(setup, model),
         surface_arm="contact",
         torque_arm="contact",
         limit_damping="limitForce" in model.on,
+        cohesion=COHESION[model.cohesion],
+        rolling=ROLLING[model.rolling],
+        tangential_reduce="tangential_reduce" in model.on,
     )
+
+
+def _cohesion(setup: Setup, model: Model) -> dict[str, Floats]:
+    if model.cohesion == "off":
+        return {}
+    properties = Properties(setup, f"cohesion {model.cohesion}", model.place)
+    return {"cohesion_energy_density": properties.pairs("cohesionEnergyDensity", 0.0)}
+
+
+def _rolling(setup: Setup, model: Model) -> dict[str, Floats]:
+    if model.rolling == "off":
+        return {}
+    properties = Properties(setup, f"rolling_friction {model.rolling}", model.place)
+    tables = {"rolling_friction": properties.pairs("coefficientRollingFriction", 0.0)}
+    tables["torsion"] = np.full_like(tables["rolling_friction"], "torsionTorque" in model.on)
+    if model.rolling == "epsd":
+        tables["rolling_damping_ratio"] = properties.pairs("coefficientRollingViscousDamping", 0.0)
+    return tables
 
 
 def _hooke(properties: Properties, on: frozenset[str]) -> Parts:
@@ -171,7 +213,7 @@ def _hertz_stiffness(properties: Properties, on: frozenset[str]) -> Parts:
 
 def _springs(properties: Properties, suffix: str) -> dict[str, Floats]:
     names = {"kn": "kn", "shear_stiffness": "kt", "gamman": f"gamman{suffix}", "gammat": f"gammat{suffix}"}
-    return {name: properties.pairs(given) for name, given in names.items()}
+    return {name: properties.pairs(given, 0.0) for name, given in names.items()}
 
 
 PARTS: dict[str, Callable[[Properties, frozenset[str]], Parts]] = {

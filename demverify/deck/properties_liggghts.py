@@ -62,17 +62,18 @@ class Properties:
 
     def effective_young(self) -> Floats:
         """E* of every pair: 1/E* = (1 - nu_i^2)/E_i + (1 - nu_j^2)/E_j."""
-        young, nu = self._elastic()
+        young, nu = self.elastic()
         compliance = (1.0 - nu**2) / young
         return np.asarray(1.0 / (compliance[:, None] + compliance[None, :]))
 
     def effective_shear(self) -> Floats:
         """G* of every pair: 1/G* = 2 (2 - nu_i)(1 + nu_i)/E_i + the same of j."""
-        young, nu = self._elastic()
+        young, nu = self.elastic()
         compliance = 2.0 * (2.0 - nu) * (1.0 + nu) / young
         return np.asarray(1.0 / (compliance[:, None] + compliance[None, :]))
 
-    def _elastic(self) -> tuple[Floats, Floats]:
+    def elastic(self) -> tuple[Floats, Floats]:
+        """Young's modulus and Poisson's ratio, (ntypes,) each, within LIGGGHTS' bounds."""
         low = 0.0 if self._setup.soft_particles else SOFTEST.get(self._setup.units, 0.0)
         high = inf if self._setup.hard_particles else HARDEST.get(self._setup.units, inf)
         young = self.types("youngsModulus", low, high)

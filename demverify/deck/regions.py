@@ -1,4 +1,4 @@
-"""Regions of space: block, cylinder, sphere, unions and intersections. Surfaces belong to the inside, as in LAMMPS."""
+"""Regions of space: block, cylinder, sphere, plane, unions and intersections. Surfaces belong to the inside, as in LAMMPS."""
 
 from __future__ import annotations
 
@@ -13,18 +13,22 @@ from demverify.deck.setup import Floats, Setup
 
 Bools = NDArray[np.bool_]
 _AXES = ("x", "y", "z")
-_STYLES = ("block", "cylinder", "sphere", "union", "intersect")
+_STYLES = ("block", "cylinder", "sphere", "plane", "union", "intersect")
 _FAR = 1e20  # what LAMMPS takes for INF
 
 
 @dataclass(frozen=True)
 class Region:
-    """inside: (n, 3) positions -> (n,) bool. lo, hi: (3,) bounds, None where it has none (side out, unions)."""
+    """inside: (n, 3) positions -> (n,) bool. lo, hi: (3,) bounds, None where it has none (side out, planes, unions).
+
+    plane: of style plane, its normal into the region (3) and offset d, n.x + d = 0.
+    """
 
     style: str
     inside: Callable[[Floats], Bools]
     lo: Floats | None = None
     hi: Floats | None = None
+    plane: tuple[Floats, float] | None = None
 
     def contains(self, x: Floats) -> Bools:
         """Which of the (n, 3) positions lie in the region."""
@@ -38,7 +42,7 @@ def read_region(setup: Setup, cmd: Command) -> Region:
     if style in ("union", "intersect"):
         return _combined(setup, cmd, style)
     scale = region_scale(setup, cmd)
-    region = {"block": _block, "cylinder": _cylinder, "sphere": _sphere}[style](setup, cmd, scale)
+    region = {"block": _block, "cylinder": _cylinder, "sphere": _sphere, "plane": _plane}[style](setup, cmd, scale)
     return _options(cmd, region)
 
 
@@ -107,6 +111,16 @@ def _sphere(setup: Setup, cmd: Command, scale: Floats) -> Region:
     return Region("sphere", inside, center - radius, center + radius)
 
 
+def _plane(setup: Setup, cmd: Command, scale: Floats) -> Region:
+    """px py pz nx ny nz; LAMMPS scales the normal like the point."""
+    point, normal = (np.array(cmd.vector(*names)) * scale for names in (("px", "py", "pz"), ("nx", "ny", "nz")))
+    length = float(np.linalg.norm(normal))
+    if length == 0.0:
+        raise cmd.error("the normal of the plane must not be zero")
+    normal = normal / length
+    return Region("plane", lambda x: np.asarray((x - point) @ normal >= 0.0), plane=(normal, -float(normal @ point)))
+
+
 def _combined(setup: Setup, cmd: Command, style: str) -> Region:
     count = cmd.integer("number of regions", low=2)
     parts = [find_region(setup, cmd, cmd.take("region ID")) for _ in range(count)]
@@ -122,7 +136,10 @@ def _options(cmd: Command, region: Region) -> Region:
             side = cmd.choice("side", ("in", "out"))
         else:
             cmd.choice("units", ("lattice", "box"))
-    return region if side == "in" else Region(region.style, lambda x: ~region.contains(x))
+    if side == "in":
+        return region
+    plane = None if region.plane is None else (-region.plane[0], -region.plane[1])
+    return Region(region.style, lambda x: ~region.contains(x), plane=plane)
 
 
 def find_region(setup: Setup, cmd: Command, name: str) -> Region:

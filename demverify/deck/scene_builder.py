@@ -7,9 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from demsolver.scene import Neighbor, NveSphere, Particles, Scene
+from demsolver.bind_law import longest_reach
+from demsolver.scene import EulerSphere, Neighbor, NveSphere, Particles, Scene
 from demsolver.state import selected
-from demverify.deck.forces import FORCES, nve_sphere
+from demverify.deck.forces import FORCES, INTEGRATORS, integrator
 from demverify.deck.setup import Atoms, NeighborSpec, Setup, Spec
 from demverify.errors import InputError, Place
 
@@ -35,7 +36,7 @@ def scene_of(setup: Setup) -> Scene:
         pair=law.pair_law(setup),
         walls=law.walls(setup),
         forces=tuple(FORCES[spec.style](setup, spec) for spec in fixes if spec.style in FORCES),
-        integrate=tuple(_integrate(setup, spec) for spec in fixes if spec.style == "nve/sphere"),
+        integrate=_integrators(setup),
         neighbor=_neighbor(setup, setup.neighbor),
         dimension=setup.dimension,
         lost=setup.thermo.modify.get("lost", LOST[setup.dialect]),  # type: ignore[arg-type]
@@ -47,19 +48,29 @@ def scene_of(setup: Setup) -> Scene:
 
 def _check_reach(scene: Scene) -> None:
     """The solver sees the nearest image of a neighbour only."""
-    reach = 2.0 * float(scene.particles.radius.max(initial=0.0)) + scene.neighbor.skin
+    largest = float(scene.particles.radius.max(initial=0.0))
+    reach = 2.0 * largest + scene.neighbor.skin + (longest_reach(scene.pair, 0.5 * largest) if scene.pair else 0.0)
     for axis, length in enumerate(scene.box.hi - scene.box.lo):
         if scene.pair and scene.box.periodic[axis] and length < reach:
-            message = f"the periodic box is {length:g} long in {'xyz'[axis]}, shorter than two radii and the skin, {reach:g}"
+            message = f"the periodic box is {length:g} long in {'xyz'[axis]}, shorter than the reach of a contact, skin included, {reach:g}"
             raise InputError(message)
 
 
-def _integrate(setup: Setup, spec: Spec) -> NveSphere:
-    found, atoms = nve_sphere(setup, spec), setup.atoms
+def _integrators(setup: Setup) -> tuple[NveSphere, ...] | tuple[EulerSphere, ...]:
+    specs = [spec for spec in setup.fixes.values() if spec.style in INTEGRATORS]
+    other = next((spec for spec in specs if spec.style != specs[0].style), None)
+    if other:
+        message = f"fix {other.id} {other.style}: fix {specs[0].id} is a {specs[0].style}, and one run has one integrator"
+        raise InputError(message, other.place)
+    return tuple(_integrate(setup, spec) for spec in specs)  # type: ignore[return-value]
+
+
+def _integrate(setup: Setup, spec: Spec) -> NveSphere | EulerSphere:
+    found, atoms = integrator(setup, spec), setup.atoms
     assert atoms is not None
     points = selected(atoms.mask, found.bit) & (atoms.radius == 0.0)
     if points.any():
-        message = f"fix {spec.id} nve/sphere: particle {atoms.id[points][0]} has radius 0; a point cannot turn"
+        message = f"fix {spec.id} {spec.style}: particle {atoms.id[points][0]} has radius 0; a point cannot turn"
         raise InputError(message, spec.place)
     return found
 

@@ -7,6 +7,7 @@ from pathlib import Path, PurePosixPath
 
 from demverify.deck.dry import NeedsRun
 from demverify.deck.setup import DumpSpec, Setup, Spec
+from demverify.engines._checks import FIX, check_fixes, check_reference, check_rhythm
 from demverify.engines._thermo import INDEXED, KEYWORDS, REDUCE
 from demverify.errors import InputError, Place
 from demverify.formats.columns import COLUMNS
@@ -21,8 +22,11 @@ def check_outputs(setup: Setup) -> None:
     column, and a dump's file that is taken already."""
     place, keywords = setup.thermo.place, keywords_of(setup)
     ThermoTable(keywords, setup.dialect, thermo_formats(setup.thermo), place)
+    check_fixes(setup)
     for keyword in keywords:
         check_keyword(setup, keyword, place)
+        if found := FIX.match(keyword):
+            check_rhythm(setup, found[1], place)
     for compute in setup.computes.values():
         if compute.style == "reduce":
             _check_reduce(compute)
@@ -44,8 +48,10 @@ def check_keyword(setup: Setup, keyword: str, place: Place | None = None) -> Non
             setup.variables.exact(keyword[2:], place)
     elif found := INDEXED.match(keyword):
         _check_compute(setup, found[1], int(found[2] or 0), place)
+    elif found := FIX.match(keyword):
+        check_reference(setup, found[1], int(found[2] or 0), place)
     elif keyword not in KEYWORDS:
-        message = f"thermo keyword {keyword!r} is not one of {', '.join(KEYWORDS)}, c_ID, v_NAME"
+        message = f"thermo keyword {keyword!r} is not one of {', '.join(KEYWORDS)}, c_ID, f_ID[i], v_NAME"
         raise InputError(message, place)
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from time import perf_counter
 
 import numpy as np
@@ -16,6 +16,7 @@ from demsolver.state import Floats, selected
 from demverify.deck.setup import Setup, Spec
 from demverify.deck.state_values import KEYWORDS as _STATE_KEYWORDS
 from demverify.deck.state_values import state_value
+from demverify.engines._checks import FIX, StepChecks
 from demverify.errors import InputError
 from demverify.formats.columns import COLUMNS, Snapshot
 
@@ -38,15 +39,16 @@ EXTENSIVE_MODES = ("sum", "sumsq")
 
 @dataclass(frozen=True)
 class Meter:
-    """Reads values off a simulation. start: step at which the run began; began: its clock."""
+    """Reads values off a simulation. start: step at which the run began; began: its clock. checks: of the run's fixes check/timestep/gran."""
 
     setup: Setup
     simulation: Simulation
     start: int
     began: float
+    checks: StepChecks = field(default_factory=StepChecks)
 
     def value(self, keyword: str, *, normalise: bool) -> float:
-        """The value of a thermo keyword, c_ID, c_ID[i] or v_NAME. normalise: extensive values per particle (thermo_modify norm yes).
+        """The value of a thermo keyword, c_ID, c_ID[i], f_ID[i] or v_NAME. normalise: extensive values per particle (thermo_modify norm yes).
 
         Raises InputError naming what exists.
         """
@@ -54,13 +56,16 @@ class Meter:
             return float(self.setup.variables.exact(keyword[2:], self.setup.thermo.place))
         if found := INDEXED.match(keyword):
             return self._compute(found[1], int(found[2] or 0), normalise=normalise)
+        if found := FIX.match(keyword):
+            number = self.checks.value(self.setup, found[1], int(found[2] or 0))
+            return number / self.count if normalise and self.count else number  # LIGGGHTS counts it among the extensive ones
         if keyword in _KEYWORDS:
             number = _KEYWORDS[keyword](self)
             extensive = normalise and keyword in _EXTENSIVE
             return number / self.count if extensive and self.count else number
         if (known := state_value(self.setup, keyword)) is not None:
             return known
-        message = f"thermo keyword {keyword!r} is not one of {', '.join(KEYWORDS)}, c_ID, v_NAME"
+        message = f"thermo keyword {keyword!r} is not one of {', '.join(KEYWORDS)}, c_ID, f_ID[i], v_NAME"
         raise InputError(message)
 
     @property

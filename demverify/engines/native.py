@@ -53,7 +53,7 @@ class NativeBackend:
     """Runs what the interpreter hands over.
 
     nudge: moves the positions of the first run, for the chaos envelope. rules: changes the scene of every run. most: stop after so many
-    steps. keep: keep frames in memory. budget: keep the energy account.
+    steps. keep: keep frames in memory. budget: keep the energy account. unstable: told, in one line, of a step above a stability limit.
     """
 
     def __init__(
@@ -68,7 +68,11 @@ class NativeBackend:
         most: int | None = None,
         keep: bool = False,
         progress: Progress | None = None,
+        unstable: Callable[[str], object] | None = None,
     ) -> None:
+        from demsolver.stability_watch import StepWatch
+        from demverify.engines._checks import StepChecks
+
         self.outputs = Outputs()
         self.printed: Sequence[str] = ()  # by the deck; the caller hands over the interpreter's list, which grows
         self._said = 0
@@ -80,6 +84,8 @@ class NativeBackend:
         self._dumps: dict[str, _OpenDump] = {}
         self._log: Any = None
         self._thermo: list[tuple[tuple[str, ...], list[list[float]]]] = []
+        self._checks = StepChecks()
+        self._watch = StepWatch(unstable) if unstable else None
         self._trajectory: Any = None
         self._last_frame = -1
 
@@ -123,6 +129,8 @@ class NativeBackend:
         simulation = self._prepare(setup)
         run = _Run(self, setup, simulation, steps)
         simulation.setup()  # compiles the loop too, the first time
+        if self._watch:
+            self._watch.look(simulation)
         began = perf_counter()
         run.output()
         while simulation.step < run.end:
@@ -146,7 +154,7 @@ class NativeBackend:
         if self._simulation is None:
             message = f"the formula needs {keyword}, which only a run gives"
             raise InputError(message)
-        return Meter(setup, self._simulation, self._simulation.step, 0.0).value(keyword, normalise=normalised(setup))
+        return Meter(setup, self._simulation, self._simulation.step, 0.0, self._checks).value(keyword, normalise=normalised(setup))
 
     def _prepare(self, setup: Setup) -> Simulation:
         from demsolver import Simulation
@@ -187,7 +195,7 @@ class _Run:
 
         self.backend, self.setup, self.simulation, self.steps = backend, setup, simulation, steps
         self.start, self.end = setup.step, setup.step + steps
-        self.meter = Meter(setup, simulation, self.start, perf_counter())
+        self.meter = Meter(setup, simulation, self.start, perf_counter(), backend._checks)
         self.table = ThermoTable(keywords_of(setup), setup.dialect, thermo_formats(setup.thermo), setup.thermo.place)
         self._head = self.table.header()
         self._open_dumps()
@@ -198,7 +206,8 @@ class _Run:
         """The next step at which anything is written, or the end."""
         rhythms = [self.setup.thermo.every, self.backend._every or 0, *(dump.every for dump in self.setup.dumps.values())]
         now = self.simulation.step
-        return min([self.end, *(now - now % every + every for every in rhythms if every > 0)])
+        checks = self.backend._checks.next(self.setup, now, self.end)
+        return min([self.end, checks, *(now - now % every + every for every in rhythms if every > 0)])
 
     def output(self) -> None:
         """Writes what is due at this step, whatever interrupts."""
@@ -206,6 +215,8 @@ class _Run:
 
         step, thermo = self.simulation.step, self.setup.thermo
         _bring_back(self.setup, self.simulation)
+        if step > self.start:
+            self.backend._checks.update(self.setup, self.simulation)
         with undisturbed():
             if step in (self.start, self.end) or (thermo.every and step % thermo.every == 0):
                 self._write_thermo()

@@ -29,14 +29,15 @@ def power(exponent: int) -> str:
     return "10" + str(exponent).translate(_SUPERSCRIPT)
 
 
-def scientific(value: float) -> str:
-    """A number for people: 0, 3.2e-13 with a real superscript, 0.25; a dash for what was not measured."""
+def scientific(value: float, digits: int = 2) -> str:
+    """A number for people: 0, 3.2e-13 with a real superscript, 0.25; a dash for what was not measured. digits: of a mantissa."""
     if not np.isfinite(value):
         return "∞" if np.isinf(value) else DASH
     if value == 0 or 1e-2 <= abs(value) < 1e4:
         return f"{value:.3g}".replace("-", MINUS)
-    mantissa, exponent = f"{value:.1e}".split("e")
-    head = "" if mantissa == "1.0" else mantissa.removesuffix(".0").replace("-", MINUS) + f" {TIMES} "
+    mantissa, exponent = f"{value:.{digits - 1}e}".split("e")
+    mantissa = mantissa.rstrip("0").rstrip(".") if "." in mantissa else mantissa
+    head = "" if mantissa == "1" else mantissa.replace("-", MINUS) + f" {TIMES} "
     return head + power(int(exponent))
 
 
@@ -64,6 +65,24 @@ def decades(lowest: int, highest: int) -> Axis:
         return np.asarray(np.minimum((exponents - lowest) / (highest - lowest), 1.0))
 
     return Axis(place, ((0.0, "0"), *ticks))
+
+
+def logarithmic(lo: float, hi: float) -> Axis:
+    """A logarithmic axis from lo to hi, both above 0, labelled at powers of ten; over less than two decades at 2 and 5 times these too."""
+    low, high = float(np.log10(lo)), float(np.log10(hi))
+    low, high = (low, high) if high > low else (low - 0.5, high + 0.5)
+    stride = max(1, round((high - low) / 7))
+    whole = range(int(np.floor(low)), int(np.ceil(high)) + 1)
+    marks = [(float(e), power(e)) for e in whole if (int(np.floor(high)) - e) % stride == 0]
+    if high - low < 2:
+        marks += [(e + float(np.log10(m)), f"{m} {TIMES} {power(e)}") for e in whole for m in (2, 5)]
+    ticks = tuple(sorted(((e - low) / (high - low), label) for e, label in marks if low - 1e-9 <= e <= high + 1e-9))
+
+    def place(x: Floats) -> Floats:
+        known = np.where(np.asarray(x) > 0.0, x, np.nan)
+        return np.asarray((np.log10(known) - low) / (high - low))
+
+    return Axis(place, ticks)
 
 
 def steps(last: float) -> Axis:

@@ -26,6 +26,7 @@ def render(report: Report, tolerances: Tolerances | None = None) -> str:
     """The page as text. tolerances: the limits drawn into the pictures of differences."""
     template = Template(files("demverify.report").joinpath("template.html").read_text(encoding="utf-8"))
     return template.substitute(
+        eyebrow="demverify compare",
         title=escape(report.title),
         verdict=report.verdict,
         word=_headline(report),

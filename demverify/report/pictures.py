@@ -76,15 +76,15 @@ def difference_picture(
     values = np.concatenate([c.value for c in curves.values()] + ([tolerances.chaos_factor * envelope.value] if envelope else []))
     peak = min(float(np.max(values, where=np.isfinite(values), initial=1e-6)), 1.0)
     y_axis = decades(LOWEST, int(np.ceil(np.log10(peak))))
-    parts = [_area(*_places(envelope.step - first, envelope.value, x_axis, y_axis))] if envelope else []
+    parts = [_area(*places(envelope.step - first, envelope.value, x_axis, y_axis))] if envelope else []
     parts.append(_limits(last, x_axis, y_axis, envelope, first, tolerances))
     for index, curve in curves.items():
-        parts.append(_line(*_places(curve.step - first, curve.value, x_axis, y_axis), pair_stroke(index)))
+        parts.append(line(*places(curve.step - first, curve.value, x_axis, y_axis), pair_stroke(index)))
     marks = (c for c in failed if np.isfinite(c.max_rel))
-    parts += [_cross(*_places(np.array([c.step - first]), np.array([c.max_rel]), x_axis, y_axis)) for c in marks]
+    parts += [_cross(*places(np.array([c.step - first]), np.array([c.max_rel]), x_axis, y_axis)) for c in marks]
     worst = "; ".join(f"{' and '.join(c.engines)} at most {scientific(float(np.max(c.value)))}" for c in curves.values())
     label = f"relative difference of {quantity} over the steps: {worst}"
-    return _frame(f"{quantity}", label, x_axis, y_axis, "".join(parts), "steps since the set-up", "relative difference")
+    return frame(f"{quantity}", label, x_axis, y_axis, "".join(parts), "steps since the set-up", "relative difference")
 
 
 def gauge(max_rel: float, tolerance: float, outcome: str) -> str:
@@ -119,12 +119,14 @@ def lines_picture(title: str, label: str, lines: Sequence[tuple[Floats, Floats, 
     low, high = (float(values.min()), float(values.max())) if len(values) else (0.0, 1.0)
     x_axis = linear(float(times.min()), float(times.max()))
     y_axis = linear(min(0.0, low * 1.06), max(0.0, high * 1.06))
-    drawn = "".join(_line(*_places(t, v, x_axis, y_axis), stroke) for t, v, stroke in lines)
-    return _frame(title, label, x_axis, y_axis, drawn, x_name, "")
+    drawn = "".join(line(*places(t, v, x_axis, y_axis), stroke) for t, v, stroke in lines)
+    return frame(title, label, x_axis, y_axis, drawn, x_name, "")
 
 
-def _frame(title: str, label: str, x_axis: Axis, y_axis: Axis, drawn: str, x_name: str, y_name: str) -> str:
-    """Axes, grid and names around what is drawn."""
+def frame(
+    title: str, label: str, x_axis: Axis, y_axis: Axis, drawn: str, x_name: str, y_name: str, below_it: str = "", rows: int = 0
+) -> str:
+    """Axes, grid and names around what is drawn. below_it: more SVG under the picture, from HEIGHT on, `rows` units high."""
     grid = [f'<path class="grid" d="M{LEFT} {y:.1f}H{RIGHT}"/>' for y in (_y(place) for place, _ in y_axis.ticks)]
     left = [
         f'<text class="tick" x="{LEFT - 6}" y="{_y(p) + 3.6:.1f}" text-anchor="end">{text}</text>' for p, text in y_axis.ticks
@@ -135,8 +137,8 @@ def _frame(title: str, label: str, x_axis: Axis, y_axis: Axis, drawn: str, x_nam
     notches = [f'<path class="axis" d="M{_x(p):.1f} {BOTTOM}v4"/>' for p, _ in x_axis.ticks]
     named = f'<text class="unit" x="{(LEFT + RIGHT) / 2}" y="{HEIGHT - 6}" text-anchor="middle">{x_name} {x_axis.unit}</text>'
     heading = f'<text class="head" x="0" y="11">{escape(title)}<tspan class="unit" dx="6">{y_name} {y_axis.unit}</tspan></text>'
-    body = "".join([*grid, drawn, f'<path class="axis" d="M{LEFT} {BOTTOM}H{RIGHT}"/>', *notches, *left, *below, named, heading])
-    return f'<svg class="plot" role="img" aria-label="{escape(label)}" viewBox="0 0 {WIDTH} {HEIGHT}">{body}</svg>'
+    body = "".join([*grid, drawn, f'<path class="axis" d="M{LEFT} {BOTTOM}H{RIGHT}"/>', *notches, *left, *below, named, heading, below_it])
+    return f'<svg class="plot" role="img" aria-label="{escape(label)}" viewBox="0 0 {WIDTH} {HEIGHT + rows}">{body}</svg>'
 
 
 def _limits(
@@ -150,7 +152,7 @@ def _limits(
     if last <= tolerances.tier2_steps:
         return stair + named
     wall = f'<path class="wall" d="M{end:.1f} {TOP}V{BOTTOM}"/><text class="tier" x="{end + 4:.1f}" y="{TOP + 8}">tier 3</text>'
-    return wall + stair + named + _line(*_lifted(last, x_axis, y_axis, envelope, first, tolerances), 'class="limit late"')
+    return wall + stair + named + line(*_lifted(last, x_axis, y_axis, envelope, first, tolerances), 'class="limit late"')
 
 
 def _lifted(
@@ -159,15 +161,15 @@ def _lifted(
     """The limit of tier 3: that of tier 2, or the chaos factor times the envelope where that is larger."""
     if not envelope:
         since = np.array([tolerances.tier2_steps, last])
-        return _places(since, np.full(2, tolerances.tier2), x_axis, y_axis)
+        return places(since, np.full(2, tolerances.tier2), x_axis, y_axis)
     steps_of = envelope.step - first
     since = np.unique([tolerances.tier2_steps, *steps_of[steps_of > tolerances.tier2_steps], last])
     grown = Envelope(steps_of.astype(np.int64), {envelope.quantity: envelope.value})
     chaos = [tolerances.chaos_factor * grown.at(envelope.quantity, int(step)) for step in since]
-    return _places(since, np.maximum(tolerances.tier2, chaos), x_axis, y_axis)
+    return places(since, np.maximum(tolerances.tier2, chaos), x_axis, y_axis)
 
 
-def _places(x: Floats, y: Floats, x_axis: Axis, y_axis: Axis) -> tuple[Floats, Floats]:
+def places(x: Floats, y: Floats, x_axis: Axis, y_axis: Axis) -> tuple[Floats, Floats]:
     """Where points lie in the picture; NaN stays NaN."""
     x, y = thinned(np.asarray(x, dtype=float), np.asarray(y, dtype=float))
     return LEFT + (RIGHT - LEFT) * x_axis.place(x), BOTTOM - (BOTTOM - TOP) * y_axis.place(y)
@@ -185,7 +187,7 @@ def thinned(x: Floats, y: Floats) -> tuple[Floats, Floats]:
     return x[kept], y[kept]
 
 
-def _line(x: Floats, y: Floats, stroke: str) -> str:
+def line(x: Floats, y: Floats, stroke: str) -> str:
     """A line, broken where it is not finite; a single point is a dot."""
     known = np.isfinite(y)
     runs = [run for run in np.split(np.arange(len(x)), np.flatnonzero(np.diff(known)) + 1) if len(run) and known[run[0]]]

@@ -60,13 +60,30 @@ def is_step_law(law: ContactLaw) -> bool:
     return contact.is_step_law(law.normal)
 
 
+def is_implicit(law: ContactLaw) -> bool:
+    """Whether the normal law solves for the mean force over the step."""
+    return contact.is_implicit(law.normal)
+
+
 def goes_beyond(law: ContactLaw) -> bool:
     """Whether a contact of this law can go on where the spheres do not overlap any more."""
     return "reach" in contact.functions("normal", law.normal)
 
 
+def longest_reach(law: ContactLaw, reff: float) -> float:
+    """How far beyond touching contacts of this effective radius go on: the most of all pairs of types."""
+    if not goes_beyond(law):
+        return 0.0
+    names = contact.parameters("normal", law.normal, "reach")
+    columns = np.broadcast_arrays(*(np.ravel(reff if name == "reff" else law.coefficients[name]) for name in names))
+    return max(float(contact.law("normal", law.normal).reach(*row)) for row in zip(*columns, strict=True))
+
+
 def check_law(law: ContactLaw) -> None:
     """Raises ValueError for laws that do not go together."""
+    if is_implicit(law) and law.cohesion != "none":
+        message = f"normal law {law.normal} cannot be solved for together with cohesion {law.cohesion}"
+        raise ValueError(message)
     if not is_step_law(law):
         return
     if law.damping != "none":
@@ -74,15 +91,16 @@ def check_law(law: ContactLaw) -> None:
         raise ValueError(message)
     for family in in_use(law):
         name = getattr(law, family)
-        if family != "normal" and {"stiffness", "normal_elastic"} & set(contact.parameters(family, name)):
-            message = f"{family} law {name} asks for the spring force of a state, which the step law {law.normal} does not have"
+        if family != "normal" and {"stiffness", "normal_elastic", "gn"} & set(contact.parameters(family, name)):
+            message = f"{family} law {name} asks for the spring or the dashpot of a state, which the step law {law.normal} does not have"
             raise ValueError(message)
 
 
 def contact_source(name: str, law: ContactLaw) -> str:
-    """Source of `<name>_contact`, `<name>_stored`, `<name>_reach` and `<name>_rolling_share`."""
+    """Source of `<name>_contact`, `<name>_stored`, `<name>_reach`, `<name>_rolling_share` and, of implicit laws, `<name>_solve`."""
     check_law(law)
-    return "\n".join([*_contact(name, law), "", *_stored(name, law), "", *_reach(name, law), "", *_rolling_share(name, law)]) + "\n\n"
+    parts = [_contact, _stored, _reach, _rolling_share, *([_solve] if is_implicit(law) else [])]
+    return "\n\n".join("\n".join(part(name, law)) for part in parts) + "\n\n"
 
 
 def _call(name: str, law: ContactLaw, family: contact.Family, function: str | None = None) -> str:
@@ -181,6 +199,11 @@ def _reach(name: str, law: ContactLaw) -> list[str]:
 def _rolling_share(name: str, law: ContactLaw) -> list[str]:
     scales = law.rolling != "none" and getattr(contact.law("rolling", law.rolling), "SCALES_WITH_RADIUS", False)
     return ["@compiled", f"def {name}_rolling_share(radius, partner_radius):", f"    return {'partner_radius / radius' if scales else '1.0'}"]
+
+
+def _solve(name: str, law: ContactLaw) -> list[str]:
+    head = ["@compiled", f"def {name}_solve(overlap, approach, compliance, coefficients, row):"]
+    return [*head, *_coefficients(law), f"    return {_call(name, law, 'normal', 'solve')}"]
 
 
 def law_functions(name: str, law: ContactLaw) -> dict[str, Callable[..., object]]:

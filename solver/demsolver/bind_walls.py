@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import hypot
 from pathlib import Path
 
 import numpy as np
@@ -13,9 +14,11 @@ from demsolver.state import Floats
 HERE = Path(__file__).parent
 
 
-# Each snippet sets: touches, n, overlap, reff, and the velocity wv of the surface where it is touched. `gap` is how far beyond touching a contact
-# goes on that was there at the last step.
-SURFACE = "        wvx, wvy, wvz = geometry[3], geometry[4], geometry[5]"
+# Each snippet sets: touches, n, overlap, reff, the velocity wv of the surface where it is touched, and its angular velocity `turning`.
+# `gap` is how far beyond touching a contact goes on that was there at the last step.
+SURFACE = "        wvx, wvy, wvz, turning = geometry[3], geometry[4], geometry[5], geometry[6:9]"
+PLACE = slice(6)
+"""Where a plane's normal and pivot stand in its geometry: what changes as it moves."""
 
 
 def _slab(shape: Slab, closed: bool) -> str:
@@ -57,19 +60,21 @@ def _cylinder(shape: Cylinder, closed: bool) -> str:
 """
 
 
-def _plane(closed: bool) -> str:
+def _plane(shape: Plane, closed: bool) -> str:
     touch = "<=" if closed else "<"
+    seen = "high > 0.0 and " if shape.one_sided else ""
     return f"""
         ex, ey, ez = b.x[i, 0] - geometry[3], b.x[i, 1] - geometry[4], b.x[i, 2] - geometry[5]
         high = ex * geometry[0] + ey * geometry[1] + ez * geometry[2] - geometry[6]
         sign, way = (1.0, high) if high > 0.0 else (-1.0, -high)
-        touches = way > 0.0 and way {touch} b.radius[i] + gap
+        touches = {seen}way > 0.0 and way {touch} b.radius[i] + gap
         nx, ny, nz = sign * geometry[0], sign * geometry[1], sign * geometry[2]
         reff = b.radius[i]
         ex, ey, ez = ex - way * nx, ey - way * ny, ez - way * nz
         wvx = geometry[7] + geometry[11] * ez - geometry[12] * ey + geometry[13]
         wvy = geometry[8] + geometry[12] * ex - geometry[10] * ez + geometry[14]
         wvz = geometry[9] + geometry[10] * ey - geometry[11] * ex + geometry[15]
+        turning = geometry[10:13]
 """
 
 
@@ -77,26 +82,22 @@ def _geometry_source(wall: Wall) -> str:
     if isinstance(wall.shape, Slab):
         return _slab(wall.shape, wall.touch_closed)
     if isinstance(wall.shape, Plane):
-        return _plane(wall.touch_closed)
+        return _plane(wall.shape, wall.touch_closed)
     return _cylinder(wall.shape, wall.touch_closed)
 
 
 def wall_geometry(wall: Wall) -> Floats:
-    """Numbers that the generated wall code reads. Slab: lo, hi, 0; cylinder: centre and radius; both: surface velocity (3).
+    """Numbers that the generated wall code reads. Slab: lo, hi, 0; cylinder: centre and radius; both: surface velocity (3), no spin (3).
 
     Plane: unit normal (3), pivot (3), distance of the plane from the pivot along the normal, velocity (3), omega (3), surface velocity (3).
-    Raises ValueError for a plane without a normal.
     """
     shape = wall.shape
     if isinstance(shape, Plane):
-        size = float(np.linalg.norm(shape.normal))
-        if not size > 0.0:
-            message = f"wall {wall.name}: the normal {shape.normal} of the plane has no direction"
-            raise ValueError(message)
+        size = hypot(*shape.normal)
         normal = np.array(shape.normal) / size
         return np.array([*normal, *shape.pivot, -shape.offset / size - normal @ np.array(shape.pivot), *shape.velocity, *shape.omega, *wall.velocity])
     numbers = (shape.lo, shape.hi, 0.0) if isinstance(shape, Slab) else (*shape.center, shape.radius)
-    return np.array([*numbers, *wall.velocity])
+    return np.array([*numbers, *wall.velocity, 0.0, 0.0, 0.0])
 
 
 MOVE = """
@@ -121,7 +122,7 @@ def move_plane(g, dt):
 
 
 def _wall_force_source(k: int, wall: Wall) -> str:
-    text = (HERE / "kernel_wall.py").read_text().partition("@compiled")
+    text = (HERE / "kernel_wall.py").read_text().partition("@inlined")
     copy = "".join(text[1:]).replace("wall_", f"wall{k}_")
     for name, arm in (("SURFACE_CONTACT", wall.law.surface_arm), ("TORQUE_CONTACT", wall.law.torque_arm)):
         copy = copy.replace(name, str(arm == "contact"))
@@ -142,13 +143,15 @@ def walls_source(walls: tuple[Wall, ...]) -> str:
         gap = {gap}
 {_geometry_source(wall)}
         overlap = {overlap}"""
+        held = f"wall{k}_stored(memory, i, -gap, b.radius[i], 0.0, reff, b.mass[i], 0.0, dt, coefficients, b.kind[i])[0]"
+        snap = f"\n            if BUDGET and advance:\n                tally[0] -= {held}" if goes_beyond(wall.law) else ""
         forces.append(f"""{head}
         if touches:
             touching[i] = 1
-            wall{k}_force(i, nx, ny, nz, overlap, reff, wvx, wvy, wvz, b, memory, coefficients, dt, advance, tally)
+            wall{k}_force(i, nx, ny, nz, overlap, reff, wvx, wvy, wvz, turning, b, memory, coefficients, dt, advance, tally)
         elif touching[i]:
-            touching[i] = 0
-            wall_parting(i, {len(memory_signs(wall.law))}, wvx, wvy, wvz, b, memory, dt, advance, tally)
+            touching[i] = 0{snap}
+            wall_parting(i, {len(memory_signs(wall.law))}, wvx, wvy, wvz, turning, b, memory, dt, advance, tally)
 """)
         stored.append(f"""{head}
         if touches:
@@ -180,20 +183,79 @@ def wall_stored(b, walls, dt):
 """
 
 
-def fields_source(scene: Scene) -> str:
+def wall_sweep_source(walls: tuple[Wall, ...]) -> str:
+    """Source of `wall_sweep`: kernel_gradient.pair_sweep for walls."""
+    parts = []
+    for k, wall in enumerate(walls):
+        parts.append(f"""
+    geometry, bit, coefficients, memory, touching = walls[{k}]
+    for i in range(b.x.shape[0]):
+        if not (b.mask[i] >> bit) & 1:
+            continue
+        gap = 0.0
+{_geometry_source(wall)}
+        if not 0.0 < way < b.radius[i] + margin:
+            continue
+{_mean_normal(wall.shape)}
+        gain = 0.5 * dt * dt * inverse_mass[i]
+        approach = -(
+            nx * (path[i, 0] - dt * wvx - gain * pull[{k}, i, 0]) + ny * (path[i, 1] - dt * wvy - gain * pull[{k}, i, 1])
+            + nz * (path[i, 2] - dt * wvz - gain * pull[{k}, i, 2])
+        )
+        mean = wall{k}_solve(b.radius[i] - way, approach, gain * (nx * nx + ny * ny + nz * nz), coefficients, b.kind[i])
+        change = wall_solved(i, nx, ny, nz, b.radius[i] - way, approach, gain, mean, inverse_mass, dt, path, pull[{k}])
+        largest = max(largest, change)
+""")
+    return f"""
+@compiled
+def wall_sweep(b, walls, dt, inverse_mass, path, pull, margin):
+    largest = 0.0
+{"".join(parts)}
+    return largest
+"""
+
+
+def _mean_normal(shape: Slab | Cylinder | Plane) -> str:
+    """Of a cylinder (r + r')/(|r| + |r'|), r from its axis; planes do not turn within a step."""
+    if not isinstance(shape, Cylinder):
+        return ""
+    a = shape.axis
+    u, v = (a + 1) % 3, (a + 2) % 3
+    normal = ["0.0", "0.0", "0.0"]
+    normal[u], normal[v] = f"sign * (2.0 * du + path[i, {u}]) / both", f"sign * (2.0 * dv + path[i, {v}]) / both"
+    return f"""
+        both = off + sqrt((du + path[i, {u}]) ** 2 + (dv + path[i, {v}]) ** 2)
+        nx, ny, nz = {", ".join(normal)}
+        wvx, wvy, wvz = geometry[3], geometry[4], geometry[5]
+"""
+
+
+def steady_source(scene: Scene) -> str:
+    """Source of `steady_forces`: gravity, which a step solves together with the springs, written to b.aside."""
+    lines = []
+    for k, field in enumerate(scene.forces):
+        if isinstance(field, Gravity):
+            lines.append(f"        if (b.mask[i] >> bits[{k}]) & 1:")
+            lines += [f"            b.aside[i, {c}] += b.mass[i] * numbers[{k}, {c}]" for c in range(3)]
+    loop = "    numbers, bits, gammas, drag_memory = fields\n    for i in range(b.x.shape[0]):\n" + "\n".join(lines) if lines else "    pass"
+    return f"\n@compiled\ndef steady_forces(b, fields):\n    b.aside[:] = 0.0\n{loop}\n"
+
+
+def fields_source(scene: Scene, implicit: bool) -> str:
     """Source of `field_forces`: the fields of the scene in their order, in one loop over the particles."""
     lines, drags = [], 0
+    sums = ("force", "aside") if implicit else ("force",)
     for k, field in enumerate(scene.forces):
         lines.append(f"        if (b.mask[i] >> bits[{k}]) & 1:")
         if isinstance(field, Gravity):
-            lines += [f"            b.force[i, {c}] += b.mass[i] * numbers[{k}, {c}]" for c in range(3)]
+            lines += [f"            b.{array}[i, {c}] += b.mass[i] * numbers[{k}, {c}]" for array in sums for c in range(3)]
         elif isinstance(field, Viscous):
             lines.append(f"            drag(i, gammas[{drags}, b.kind[i]], b, drag_memory[{drags}], dt, advance, tally)")
             drags += 1
         elif isinstance(field, SetForce):
             lines += [f"            b.force[i, {c}] = numbers[{k}, {c}]" for c in range(3) if field.force[c] is not None] or ["            pass"]
         elif isinstance(field, Freeze):
-            lines += ["            b.force[i] = 0.0", "            b.torque[i] = 0.0"]
+            lines += [f"            b.{array}[i] = 0.0" for array in (*sums, "torque")]
         elif isinstance(field, Enforce2D):
             names = ("b.v[i, 2]", "b.force[i, 2]", "b.omega[i, 0]", "b.omega[i, 1]", "b.torque[i, 0]", "b.torque[i, 1]")
             lines += [f"            {name} = 0.0" for name in names]

@@ -8,8 +8,9 @@ This file is read as text and placed behind a generated header, which binds, as 
     wall_forces, wall_stored   all walls of the scene, one after another
     move_walls                 carries moving planes on by a step
     field_forces               gravity, freeze, ... of the scene in their order
-    PAIRS, FRICTION, ROLLING, BEYOND, OUTLIVES, BUDGET, PERIODIC, FROZEN, VIRIAL, THREADED, SURFACE_CONTACT, TORQUE_CONTACT, SHIFTING, MOVING,
-    VERLET: constants; what is False costs nothing. BASE: columns of memory that the pair law has.
+    PAIRS, FRICTION, ROLLING, BEYOND, OUTLIVES, BUDGET, PERIODIC, FROZEN, VIRIAL, THREADED, SURFACE_CONTACT, TORQUE_CONTACT, SHIFTING, IMPLICIT,
+    MOVING, VERLET: constants; what is False costs nothing. BASE: columns of memory that the pair law has. ROLLING_INERTIA: of one sphere rolling
+                               about its contact point, over m R^2
 
 Velocity Verlet as LAMMPS does it: contact forces of step n see x(n) and the velocities of step n - 1/2 (at set-up: of step n).
 
@@ -23,9 +24,10 @@ A pair across a periodic face is listed twice, once for each particle, with the 
 and only then are forces the same to rounding. Bits of touching: 1 in contact at the last step; 2 (OUTLIVES) since the list was built.
 
 Memory columns of a contact: first BASE columns of the law's own; with BUDGET also what took energy in the last step: three columns each of the
-normal damping force, the tangential force, its torques on both sides, the rolling torques on both sides.
+normal damping force, the tangential force, its torques on both sides, the rolling torques on both sides; then the power that a wall's motion gives
+to the spring.
 Tally: 0 work of the normal damping, 1 work of the tangential force, 2 work of viscous drag, 4 work of the rolling torques; negative while they
-take energy. With VIRIAL: 3 the sum of r.F over the pairs of the last force evaluation.
+take energy; 5 work of the walls' motion on the particles. With VIRIAL: 3 the sum of r.F over the pairs of the last force evaluation.
 """
 
 # ruff: noqa: F821
@@ -34,36 +36,52 @@ from math import sqrt
 import numpy as np
 from numba import prange
 
+REST = (0.0,) * 19  # `now` of a contact that has ended
+
 
 @compiled
-def spend(memory, k, base, now, vx, vy, vz, w, i, j, half_dt, tally):
-    """Work of one step on a contact by the trapezoid rule (order dt^2): half by the forces of the last step, half by today's `now`."""
+def spend(memory, k, base, now, vx, vy, vz, wi, wj, half_dt, tally):
+    """Work of one step on a contact by the trapezoid rule (order dt^2): half by the forces of the last step, half by today's `now`.
+
+    wi, wj: (3,) angular velocities of both sides.
+    """
     tally[0] += half_dt * (
         (memory[k, base] + now[0]) * vx + (memory[k, base + 1] + now[1]) * vy + (memory[k, base + 2] + now[2]) * vz
     )
     rubbing = (memory[k, base + 3] + now[3]) * vx + (memory[k, base + 4] + now[4]) * vy + (memory[k, base + 5] + now[5]) * vz
     rolling = 0.0
     for c in range(3):
-        rubbing += (memory[k, base + 6 + c] + now[6 + c]) * w[i, c] + (memory[k, base + 9 + c] + now[9 + c]) * w[j, c]
-        rolling += (memory[k, base + 12 + c] + now[12 + c]) * w[i, c] + (memory[k, base + 15 + c] + now[15 + c]) * w[j, c]
+        rubbing += (memory[k, base + 6 + c] + now[6 + c]) * wi[c] + (memory[k, base + 9 + c] + now[9 + c]) * wj[c]
+        rolling += (memory[k, base + 12 + c] + now[12 + c]) * wi[c] + (memory[k, base + 15 + c] + now[15 + c]) * wj[c]
     tally[1] += half_dt * rubbing
     tally[4] += half_dt * rolling
 
 
 @compiled
+def drive(memory, k, base, now, ux, uy, uz, turning, half_dt, tally):
+    """Work that a wall does in one step by its motion, by the same rule. u: its velocity where it is touched; turning: (3,) angular velocity."""
+    driving = memory[k, base + 18] + now[18]
+    driving += (memory[k, base] + now[0] + memory[k, base + 3] + now[3]) * ux
+    driving += (memory[k, base + 1] + now[1] + memory[k, base + 4] + now[4]) * uy
+    driving += (memory[k, base + 2] + now[2] + memory[k, base + 5] + now[5]) * uz
+    for c in range(3):
+        driving += (memory[k, base + 12 + c] + now[12 + c]) * turning[c]
+    tally[5] += half_dt * driving
+
+
+@compiled
 def remember(memory, k, base, now):
     """Keep today's forces for the work of the next step."""
-    for c in range(18):
+    for c in range(19):
         memory[k, base + c] = now[c]
 
 
 @compiled
-def settle(memory, k, base, vx, vy, vz, w, i, j, half_dt, advance, tally):
+def settle(memory, k, base, vx, vy, vz, wi, wj, half_dt, advance, tally):
     """The last work on a contact that has ended."""
-    rest = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     if advance:
-        spend(memory, k, base, rest, vx, vy, vz, w, i, j, half_dt, tally)
-    remember(memory, k, base, rest)
+        spend(memory, k, base, REST, vx, vy, vz, wi, wj, half_dt, tally)
+    remember(memory, k, base, REST)
 
 
 @compiled
@@ -94,8 +112,11 @@ def pair_forces(start, stop, b, p, shifts, coefficients, ntypes, dt, advance, fo
                 beyond += pair_reach(ri * rj / reach, coefficients, row)
             if square >= beyond * beyond:
                 if p.touching[k] & 1:
+                    if BUDGET and BEYOND and advance:  # what a contact holds where it snaps off
+                        held = pair_stored(p.memory, k, reach - beyond, ri, 1.0 / rj, ri * rj / reach, 0.0, 0.0, dt, coefficients, row)
+                        tally[0] -= held[0] if both else 0.5 * held[0]
                     if BUDGET:
-                        settle(p.memory, k, BASE, v[i, 0] - v[j, 0], v[i, 1] - v[j, 1], v[i, 2] - v[j, 2], w, i, j, half_dt, advance, tally)
+                        settle(p.memory, k, BASE, v[i, 0] - v[j, 0], v[i, 1] - v[j, 1], v[i, 2] - v[j, 2], w[i], w[j], half_dt, advance, tally)
                     if not OUTLIVES:
                         for c in range(BASE):
                             p.memory[k, c] = 0.0
@@ -125,7 +146,7 @@ def pair_forces(start, stop, b, p, shifts, coefficients, ntypes, dt, advance, fo
             inertia = 0.0
             ux = uy = uz = 0.0
             if ROLLING:
-                inertia = 1.4 / (1.0 / (mass[i] * ri * ri) + 1.0 / (mass[j] * rj * rj))
+                inertia = ROLLING_INERTIA / (1.0 / (mass[i] * ri * ri) + 1.0 / (mass[j] * rj * rj))
                 ux, uy, uz = w[i, 0] - w[j, 0], w[i, 1] - w[j, 1], w[i, 2] - w[j, 2]
             fn, damping, fx, fy, fz, qx, qy, qz, shift, loss = pair_contact(
                 p.memory, k, overlap, ri, 1.0 / rj, ri * rj / reach, meff, inertia, 1.0, vn, nx, ny, nz, tx, ty, tz, ux, uy, uz, dt, advance,
@@ -134,14 +155,14 @@ def pair_forces(start, stop, b, p, shifts, coefficients, ntypes, dt, advance, fo
             if SHIFTING:
                 if b.drift[i] > 0.0 and not b.frozen[i]:
                     give = shift * meff / mass[i]
-                    b.shift[i, 0] += give * nx
-                    b.shift[i, 1] += give * ny
-                    b.shift[i, 2] += give * nz
+                    b.aside[i, 0] += give * nx
+                    b.aside[i, 1] += give * ny
+                    b.aside[i, 2] += give * nz
                 if both and b.drift[j] > 0.0 and not b.frozen[j]:
                     give = shift * meff / mass[j]
-                    b.shift[j, 0] -= give * nx
-                    b.shift[j, 1] -= give * ny
-                    b.shift[j, 2] -= give * nz
+                    b.aside[j, 0] -= give * nx
+                    b.aside[j, 1] -= give * ny
+                    b.aside[j, 2] -= give * nz
                 if advance:
                     tally[0] -= loss if both else 0.5 * loss
             force[i, 0] += fn * nx + fx
@@ -151,6 +172,15 @@ def pair_forces(start, stop, b, p, shifts, coefficients, ntypes, dt, advance, fo
                 force[j, 0] -= fn * nx + fx
                 force[j, 1] -= fn * ny + fy
                 force[j, 2] -= fn * nz + fz
+            if IMPLICIT:
+                spring = fn - damping
+                b.aside[i, 0] += spring * nx
+                b.aside[i, 1] += spring * ny
+                b.aside[i, 2] += spring * nz
+                if both:
+                    b.aside[j, 0] -= spring * nx
+                    b.aside[j, 1] -= spring * ny
+                    b.aside[j, 2] -= spring * nz
             if VIRIAL:
                 virial = dx * (fn * nx + fx) + dy * (fn * ny + fy) + dz * (fn * nz + fz)
                 tally[3] += virial if both else 0.5 * virial
@@ -182,18 +212,20 @@ def pair_forces(start, stop, b, p, shifts, coefficients, ntypes, dt, advance, fo
                     damping * nx, damping * ny, damping * nz, fx, fy, fz,
                     -ai * (ny * fz - nz * fy), -ai * (nz * fx - nx * fz), -ai * (nx * fy - ny * fx),
                     -aj * (ny * fz - nz * fy), -aj * (nz * fx - nx * fz), -aj * (nx * fy - ny * fx),
-                    qx, qy, qz, -share_j * qx, -share_j * qy, -share_j * qz,
+                    qx, qy, qz, -share_j * qx, -share_j * qy, -share_j * qz, 0.0,
                 )
                 if advance:
-                    spend(p.memory, k, BASE, now, vx, vy, vz, w, i, j, half_dt, tally)
+                    spend(p.memory, k, BASE, now, vx, vy, vz, w[i], w[j], half_dt, tally)
                 remember(p.memory, k, BASE, now)
 
 
 @compiled
-def wall_parting(i, base, wvx, wvy, wvz, b, memory, dt, advance, tally):
+def wall_parting(i, base, wvx, wvy, wvz, turning, b, memory, dt, advance, tally):
     """A wall forgets a particle as soon as they part."""
     if BUDGET:
-        settle(memory, i, base, b.v[i, 0] - wvx, b.v[i, 1] - wvy, b.v[i, 2] - wvz, b.omega, i, i, 0.5 * dt, advance, tally)
+        if advance:
+            drive(memory, i, base, REST, wvx, wvy, wvz, turning, 0.5 * dt, tally)
+        settle(memory, i, base, b.v[i, 0] - wvx, b.v[i, 1] - wvy, b.v[i, 2] - wvz, b.omega[i], turning, 0.5 * dt, advance, tally)
     for c in range(base):
         memory[i, c] = 0.0
 
@@ -243,12 +275,12 @@ def shared_pair_forces(b, p, shifts, coefficients, ntypes, dt, advance, force, t
 def forces(b, p, shifts, coefficients, ntypes, walls, fields, dt, advance, parts, tallies):
     """Force and torque of every particle, written to b.force and b.torque.
 
-    parts: (t, 2, n, 3) scratch of t threads. tallies: (t, 5).
+    parts: (t, 2, n, 3) scratch of t threads. tallies: (t, 6).
     """
     b.force[:] = 0.0
     b.torque[:] = 0.0
-    if SHIFTING:
-        b.shift[:] = 0.0
+    if SHIFTING or IMPLICIT:
+        b.aside[:] = 0.0
     if VIRIAL:
         tallies[:, 3] = 0.0
     if PAIRS:
@@ -262,10 +294,10 @@ def forces(b, p, shifts, coefficients, ntypes, walls, fields, dt, advance, parts
 
 @compiled
 def kick(b):
-    """A step (Verlet: half of it) of acceleration."""
+    """A step (Verlet: half of it) of acceleration; what is set aside in implicit scenes is not part of it."""
     for i in range(b.x.shape[0]):
         for c in range(3):
-            b.v[i, c] += b.kick[i] * b.force[i, c]
+            b.v[i, c] += b.kick[i] * (b.force[i, c] - b.aside[i, c] if IMPLICIT else b.force[i, c])
             b.omega[i, c] += b.spin[i] * b.torque[i, c]
 
 
@@ -280,7 +312,7 @@ def kick_drift(b):
             b.omega[i, c] += b.spin[i] * b.torque[i, c]
             b.x[i, c] += b.drift[i] * b.v[i, c]
             if SHIFTING:
-                b.x[i, c] += b.shift[i, c]
+                b.x[i, c] += b.aside[i, c]
             way += (b.x[i, c] - b.held[i, c]) ** 2
         farthest = max(farthest, way)
     return farthest

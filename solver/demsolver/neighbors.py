@@ -1,7 +1,7 @@
 """Neighbour list: particles and their periodic images into cells, cells into rows of pairs, contact memory carried over.
 
 A pair stands in the row of its lower index; across a periodic face it stands in both rows, each with the image of the other. A pair is
-listed when the centres are nearer than both radii plus the skin.
+listed when the centres are nearer than both radii plus the skin, and the gap that a contact of the two largest particles can bridge.
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from demsolver.bind_law import longest_reach
 from demsolver.scene import Scene
 from demsolver.state import Bodies, Floats, Ints, Pairs, selected
 
@@ -53,8 +54,9 @@ def build(scene: Scene, bodies: Bodies, box_lo: Floats, box_hi: Floats, columns:
     n = len(bodies.x)
     if n == 0:
         return empty_pairs(0, columns)
-    skin = scene.neighbor.skin
-    reach = 2.0 * float(bodies.radius.max()) + skin
+    largest = float(bodies.radius.max())
+    skin = scene.neighbor.skin + (longest_reach(scene.pair, 0.5 * largest) if scene.pair else 0.0)
+    reach = 2.0 * largest + skin
     owner, shift = images(bodies.x, box_lo, box_hi, scene.box.periodic, reach)
     places = bodies.x[owner] + SHIFTS[shift] * (box_hi - box_lo)
     low = places.min(axis=0)
@@ -82,7 +84,7 @@ def images(x: Floats, lo: Floats, hi: Floats, periodic: tuple[bool, bool, bool],
             continue
         length = hi[axis] - lo[axis]
         if length < reach:
-            message = f"the periodic box is {length:g} long in {'xyz'[axis]}, shorter than the reach {reach:g} of a contact (two radii and the skin)"
+            message = f"the periodic box is {length:g} long in {'xyz'[axis]}, shorter than the reach {reach:g} of a contact, skin included"
             raise ValueError(message)
         low = x[owner, axis] < lo[axis] + reach
         high = x[owner, axis] >= hi[axis] - reach

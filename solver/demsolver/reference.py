@@ -130,7 +130,7 @@ def _pair_touch(
         return
     overlap = ri + rj - sqrt(square)
     spin = _arm(law.surface_arm, ri, overlap) * omega[i] + _arm(law.surface_arm, rj, overlap) * omega[j]
-    inertia = 1.4 / (1.0 / (p.mass[i] * ri * ri) + 1.0 / (p.mass[j] * rj * rj))
+    inertia = scene.rolling_inertia / (1.0 / (p.mass[i] * ri * ri) + 1.0 / (p.mass[j] * rj * rj))
     n = d / sqrt(square)
     yield Touch(("pair", i, j), law, row, i, j, n, overlap, reff, meff, v[i] - v[j], spin, omega[i] - omega[j], ri, rj, inertia)
 
@@ -161,16 +161,18 @@ def _wall_touch(
     spin = _arm(wall.law.surface_arm, radius, overlap) * omega[i]
     mass = float(scene.particles.mass[i])
     against = v[i] - np.array(wall.velocity) - _plane_velocity(wall.shape, x[i] - away)
-    inertia = 1.4 * mass * radius**2
-    yield Touch(key, wall.law, row, i, None, away / distance, overlap, reff, mass, against, spin, omega[i], radius, np.inf, inertia)
+    inertia = scene.rolling_inertia * mass * radius**2
+    w = omega[i] - (np.array(wall.shape.omega) if isinstance(wall.shape, Plane) else 0.0)
+    yield Touch(key, wall.law, row, i, None, away / distance, overlap, reff, mass, against, spin, w, radius, np.inf, inertia)
 
 
 def _away(shape: Slab | Cylinder | Plane, x: Floats) -> Floats:
     """Vector from the nearest point of the wall to x."""
     if isinstance(shape, Plane):
         normal = np.array(shape.normal)
-        away: Floats = (x @ normal + shape.offset) / float(normal @ normal) * normal
-        return away
+        high = float(x @ normal + shape.offset)
+        away: Floats = high / float(normal @ normal) * normal
+        return 0.0 * away if shape.one_sided and high < 0.0 else away
     return _slab(shape, x) if isinstance(shape, Slab) else _cylinder(shape, x)
 
 
@@ -227,6 +229,20 @@ def action(touch: Touch, memory: Floats | None, dt: float, advance: bool) -> Act
         rolling = rolling + found["twisting"][0] * touch.n
     stored = [value for family, own in names.items() for value in found[family][len(found[family]) - len(own) :]]
     return Action(known["normal_force"] + cohesive, np.array(found.get("friction", np.zeros(3))[:3]), rolling, shift, loss, np.array(stored))
+
+
+def stored(touch: Touch, memory: Floats, dt: float) -> tuple[float, float, float]:
+    """Energy that a contact holds: (normal and cohesion, friction, rolling and twisting)."""
+    law, known = touch.law, _geometry(touch) | {"dt": dt}
+    families = in_use(law)
+    names = [name for family in families for name in contact.memory(family, getattr(law, family))]
+    known |= dict(zip(names, memory, strict=True))
+    if not contact.is_step_law(law.normal):
+        _normal(law, known)
+    _tangential(law, known)
+    found = {f: float(_call(_law(f, getattr(law, f)).energy, known)) for f in contact.STORING if f in families}
+    normal = found["normal"] + found.get("cohesion", 0.0)
+    return normal, found.get("friction", 0.0), found.get("rolling", 0.0) + found.get("twisting", 0.0)
 
 
 def _geometry(touch: Touch) -> dict[str, Any]:

@@ -109,7 +109,8 @@ class Cylinder:
 
 @dataclass(frozen=True)
 class Plane:
-    """The plane a x + b y + c z + d = 0, felt from both sides. normal: (a, b, c), of any length but zero; offset: d.
+    """The plane a x + b y + c z + d = 0. normal: (a, b, c), of any length but zero; offset: d. Felt from both sides, or (one_sided) by spheres
+    whose centres lie where the normal points.
 
     It moves as a rigid body from the begin of the run on: velocity (3,) of the pivot, omega (3,) [rad/time] about pivot (3,), which goes along.
     """
@@ -119,6 +120,7 @@ class Plane:
     velocity: tuple[float, float, float] = (0.0, 0.0, 0.0)
     omega: tuple[float, float, float] = (0.0, 0.0, 0.0)
     pivot: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    one_sided: bool = False
 
     @property
     def moving(self) -> bool:
@@ -192,7 +194,7 @@ class NveSphere:
 class EulerSphere:
     """Semi-implicit Euler for group `bit`: v += dt F/m, then x += dt v. `inertia` as in NveSphere.
 
-    Its velocities belong half a step before its positions: v(n) is what Verlet calls v(n - 1/2). Source: S. Shobuzawa, "DEM no kiso" (2025),
+    Its velocities belong half a step before its positions: v(n) is what Verlet calls v(n - 1/2). Source: K. Shobuzako, "DEM no kiso" (2025),
     eq. 2.2, who calls it forward Euler.
     """
 
@@ -233,3 +235,8 @@ class Scene:
     dimension: int = 3
     lost: Literal["error", "warn", "ignore"] = "error"
     history_outlives_contact: bool = False
+
+    @property
+    def rolling_inertia(self) -> float:
+        """Moment of inertia about the contact point over m R^2: 7/5 of a sphere, 3/2 of a disc, which is what rolls in two dimensions."""
+        return 1.5 if self.dimension == 2 else 1.4

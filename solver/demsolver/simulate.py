@@ -8,13 +8,15 @@ import numpy as np
 
 from demsolver import contact, neighbors
 from demsolver.bind_law import coefficient_table, memory_signs
-from demsolver.bind_walls import wall_geometry
-from demsolver.scene import Box, Gravity, Particles, Scene, SetForce, Viscous, Wall
-from demsolver.specialise import BUDGET_COLUMNS, shifting, specialise
+from demsolver.bind_walls import PLACE, wall_geometry
+from demsolver.check import check_scene
+from demsolver.scene import Box, Gravity, Particles, Plane, Scene, SetForce, Viscous, Wall
+from demsolver.specialise import BUDGET_COLUMNS, implicit, shifting, specialise
 from demsolver.state import Bodies, Floats, Ints, Pairs, bodies_of, inertia_of, selected
 
 _SAID = {"x": "positions", "v": "velocities", "omega": "spins", "force": "forces", "torque": "torques"}
 BEGIN, MIDDLE, SETUP = 0, 1, 2  # where kernel.run_steps starts
+NOT_SOLVED = -2  # what an implicit step may answer; else -1: out of the list
 
 
 class LostParticles(RuntimeError):
@@ -31,8 +33,8 @@ class EnergyBudget:
 
     kinetic, rotational: of all particles. elastic_normal (cohesion included), elastic_tangential, elastic_rolling: in the contacts.
     gravitational: -sum m g.x, of unwrapped positions, relative to the origin. damped, rubbed, rolled, dragged: taken since the start by normal
-    damping, by the tangential forces (their damping and their slip), by rolling and twisting torques, and by viscous drag. `total` is the sum
-    of all: what must stay put.
+    damping, by the tangential forces (their damping and their slip), by rolling and twisting torques, and by viscous drag, all of motion
+    against the surface that is touched. driven: given by walls that move. `total`, held plus taken less given, is what must stay put.
     """
 
     kinetic: float
@@ -45,6 +47,7 @@ class EnergyBudget:
     rubbed: float
     rolled: float
     dragged: float
+    driven: float
 
     @property
     def elastic(self) -> float:
@@ -58,8 +61,8 @@ class EnergyBudget:
 
     @property
     def total(self) -> float:
-        """What it holds plus what it lost."""
-        return self.mechanical + self.damped + self.rubbed + self.rolled + self.dragged
+        """What it holds plus what it lost, less what it was given."""
+        return self.mechanical + self.damped + self.rubbed + self.rolled + self.dragged - self.driven
 
 
 class Simulation:
@@ -71,6 +74,7 @@ class Simulation:
     """
 
     def __init__(self, scene: Scene, *, threads: int = 1, budget: bool = False, virial: bool = False) -> None:
+        check_scene(scene)
         self.scene = scene
         self.step = 0
         self.box_lo, self.box_hi = np.array(scene.box.lo, dtype=float), np.array(scene.box.hi, dtype=float)
@@ -83,13 +87,13 @@ class Simulation:
         self._extra = BUDGET_COLUMNS if budget else 0
         self._signs = memory_signs(scene.pair)
         self._columns = len(self._signs) + self._extra
-        self.bodies: Bodies = bodies_of(scene, shifting=shifting(scene))
+        self.bodies: Bodies = bodies_of(scene, aside=shifting(scene) or implicit(scene))
         self.pairs: Pairs = neighbors.empty_pairs(len(self.id), self._columns)
         self._walls = tuple(self._wall_arrays(wall) for wall in scene.walls)
         self._fields = self._field_arrays()
         self._coefficients = coefficient_table(scene.pair) if scene.pair else np.zeros((1, 1))
         self._parts = np.zeros((threads, 2, len(self.id) if threads > 1 else 0, 3))
-        self._tallies = np.zeros((threads, 5))
+        self._tallies = np.zeros((threads, 6))
         self._age = 0
         self._margin = 1e-4 * (self.box_hi - self.box_lo) if scene.box.margin is None else scene.box.margin
 
@@ -129,6 +133,7 @@ class Simulation:
             rubbed=float(spent[1]) - tangential,
             rolled=float(spent[4]) - rolling,
             dragged=float(spent[2]),
+            driven=-float(spent[5]),
         )
 
     def pair_virial(self) -> float:
@@ -155,7 +160,8 @@ class Simulation:
 
     def continue_with(self, scene: Scene, *, virial: bool | None = None) -> Simulation:
         """The next run of a deck: `scene` holds changed settings and the present particles; contact histories go on where the same
-        particles touch under a law of the same name. virial: None to leave it as it is."""
+        particles touch under a law of the same name, and a plane whose words are the same goes on from where it is. virial: None to leave
+        it as it is."""
         virial = self.virial if virial is None else virial
         other = Simulation(scene, threads=self._threads, budget=self._budget, virial=virial)
         other.step = self.step
@@ -167,8 +173,8 @@ class Simulation:
             if wall.name not in kept:
                 continue
             old, (old_geometry, _, _, old_memory, old_touching) = kept[wall.name]
-            if wall.shape == old.shape:
-                geometry[:] = old_geometry
+            if isinstance(wall.shape, Plane) and wall.shape == old.shape:
+                geometry[PLACE] = old_geometry[PLACE]
             if old_memory.shape == memory.shape:
                 memory[:], touching[:] = old_memory, old_touching
         return other
@@ -186,8 +192,18 @@ class Simulation:
             start, steps, self._age, self._rhythm(), self.bodies, self.pairs, self._shifts(), self._coefficients, self.scene.ntypes,
             self._walls, self._fields, self.scene.timestep, self._parts, self._tallies,
         )  # fmt: skip
+        if done < 0:
+            raise Unstable(self._refused(done))
         self.step += done
         return done, due
+
+    def _refused(self, code: int) -> str:
+        if code == NOT_SOLVED:
+            return f"the contacts of step {self.step + 1} could not be solved together: shorten the timestep {self.scene.timestep:g}"
+        return (
+            f"a particle moves more than half the skin {self.scene.neighbor.skin:g} of the neighbour list in step {self.step + 1}: "
+            f"make the skin longer, or shorten the timestep {self.scene.timestep:g}"
+        )
 
     def _relist(self) -> None:
         """What the engines do when the list is due: wrap, shrink the box, drop the lost, list the pairs, carry their memory."""

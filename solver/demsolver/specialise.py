@@ -17,13 +17,13 @@ from functools import cache
 from pathlib import Path
 from types import ModuleType
 
-from demsolver.bind_law import SIGNATURE, STORED, contact_source, goes_beyond, is_step_law, law_functions, law_imports, memory_signs
-from demsolver.bind_walls import fields_source, walls_source
+from demsolver.bind_law import SIGNATURE, STORED, contact_source, goes_beyond, is_implicit, is_step_law, law_functions, law_imports, memory_signs
+from demsolver.bind_walls import fields_source, steady_source, wall_sweep_source, walls_source
 from demsolver.neighbors import HOME
-from demsolver.scene import EulerSphere, Freeze, Plane, Scene
+from demsolver.scene import ContactLaw, EulerSphere, Freeze, Plane, Scene, SetForce
 
 HERE = Path(__file__).parent
-BUDGET_COLUMNS = 18  # of a contact's memory, behind those of its law
+BUDGET_COLUMNS = 19  # of a contact's memory, behind those of its law
 
 
 def meets(scene: Scene) -> bool:
@@ -31,10 +31,31 @@ def meets(scene: Scene) -> bool:
     return len(scene.particles.id) > 1 or any(scene.box.periodic)
 
 
+def laws_of(scene: Scene) -> list[ContactLaw]:
+    """The pair law, then those of the walls."""
+    return [*([scene.pair] if scene.pair else []), *(wall.law for wall in scene.walls)]
+
+
 def shifting(scene: Scene) -> bool:
     """Whether a step law of the scene corrects positions."""
-    laws = [wall.law for wall in scene.walls] + ([scene.pair] if scene.pair else [])
-    return any(is_step_law(law) for law in laws)
+    return any(is_step_law(law) for law in laws_of(scene))
+
+
+def implicit(scene: Scene) -> bool:
+    """Whether the normal laws of the scene solve for the step. Raises ValueError for what such a step cannot hold."""
+    laws = laws_of(scene)
+    if not any(is_implicit(law) for law in laws):
+        return False
+    message = ""
+    if others := [law.normal for law in laws if not is_implicit(law)]:
+        message = f"a scene with one implicit normal law can have no other: all pairs and walls, not {others[0]} for some"
+    elif any(isinstance(integrator, EulerSphere) for integrator in scene.integrate):
+        message = "an implicit normal law comes with a step of its own, which is not semi-implicit Euler: use nve/sphere"
+    elif any(isinstance(field, SetForce) for field in scene.forces):
+        message = "an implicit normal law cannot be solved for where setforce overrules it"
+    if message:
+        raise ValueError(message)
+    return True
 
 
 def constants(scene: Scene, budget: bool, virial: bool) -> dict[str, bool | int]:
@@ -58,6 +79,7 @@ def constants(scene: Scene, budget: bool, virial: bool) -> dict[str, bool | int]
         "SURFACE_CONTACT": pair is not None and pair.surface_arm == "contact",
         "TORQUE_CONTACT": pair is not None and pair.torque_arm == "contact",
         "SHIFTING": shifting(scene),
+        "IMPLICIT": implicit(scene),
         "MOVING": any(isinstance(wall.shape, Plane) and wall.shape.moving for wall in scene.walls),
         "VERLET": schemes != {EulerSphere},
     }
@@ -91,10 +113,12 @@ def source(scene: Scene, threads: int, *, budget: bool, virial: bool) -> str:
         "from math import sin, sqrt",
         "from numba import njit",
         'compiled = njit(error_model="numpy", nogil=True, no_cpython_wrapper=True, no_cfunc_wrapper=True)',
+        'inlined = njit(error_model="numpy", nogil=True, no_cpython_wrapper=True, no_cfunc_wrapper=True, forceinline=True)',
         'entry = njit(cache=True, error_model="numpy", nogil=True, no_cfunc_wrapper=True)',
         'threaded = njit(error_model="numpy", nogil=True, parallel=True)' if threads > 1 else "threaded = compiled",
         f"THREADED = {threads > 1}",
         f"HOME = {HOME}",
+        f"ROLLING_INERTIA = {scene.rolling_inertia}",
         "TINY = 1e-200  # at zero overlap, where LIGGGHTS' walls touch already, stiffness is a limit",
         *(f"{name} = {value}" for name, value in constants(scene, budget, virial).items()),
         *(law_imports(name, law) for name, law in laws),
@@ -103,14 +127,18 @@ def source(scene: Scene, threads: int, *, budget: bool, virial: bool) -> str:
     ]
     kernel = (HERE / "kernel.py").read_text()
     loop, split, rest = kernel.partition("@compiled\ndef forces(")
-    return "\n".join(head) + loop + walls_source(scene.walls) + fields_source(scene) + "\n\n" + split + rest
+    fields = fields_source(scene, implicit(scene))
+    if implicit(scene):
+        steps, entry, stored = rest.partition("@entry\ndef stored(")
+        gradient = (HERE / "kernel_gradient.py").read_text()
+        rest = steps.partition("@entry\ndef run_steps(")[0] + wall_sweep_source(scene.walls) + gradient + "\n\n" + entry + stored
+        fields += steady_source(scene)
+    return "\n".join(head) + loop + walls_source(scene.walls) + fields + "\n\n" + split + rest
 
 
 def specialise(scene: Scene, threads: int = 1, *, budget: bool = False, virial: bool = False) -> ModuleType:
     """The compiled loop for this scene: a module with run_steps and stored."""
-    laws = [scene.pair] if scene.pair else []
-    laws += [wall.law for wall in scene.walls]
-    modules = sorted({f.__module__ for law in laws for f in law_functions("x", law).values()})
+    modules = sorted({f.__module__ for law in laws_of(scene) for f in law_functions("x", law).values()})
     return _load(source(scene, threads, budget=budget, virial=virial), tuple(modules))
 
 

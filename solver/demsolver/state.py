@@ -18,7 +18,8 @@ class Bodies(NamedTuple):
 
     x, v, omega, force, torque: (n, 3). radius, mass: (n,). kind: type - 1. mask: group bits. frozen: bool.
     kick: dt/2m, spin: dt/2I (semi-implicit Euler: dt/m, dt/I), drift: dt; all zero where no integrator moves the particle.
-    held: (n, 3) positions at the last list build. shift: (n, 3) what step laws move a particle by on top; (0, 3) without such laws.
+    held: (n, 3) positions at the last list build. aside: (n, 3) what step laws move a particle by on
+    top; in implicit scenes the part of the force that the step solves anew: springs and gravity; (0, 3) in other scenes.
     """
 
     x: Floats
@@ -35,7 +36,7 @@ class Bodies(NamedTuple):
     spin: Floats
     drift: Floats
     held: Floats
-    shift: Floats
+    aside: Floats
 
 
 class Pairs(NamedTuple):
@@ -58,8 +59,8 @@ def selected(mask: Ints, bit: int) -> NDArray[np.bool_]:
     return members
 
 
-def bodies_of(scene: Scene, *, shifting: bool) -> Bodies:
-    """Fresh arrays of a scene's particles; forces and torques zero. shifting: whether a step law corrects positions."""
+def bodies_of(scene: Scene, *, aside: bool) -> Bodies:
+    """Fresh arrays of a scene's particles; forces and torques zero. aside: whether the scene needs that array."""
     p = scene.particles
     n = len(p.id)
     frozen = np.zeros(n, dtype=bool)
@@ -82,7 +83,7 @@ def bodies_of(scene: Scene, *, shifting: bool) -> Bodies:
         spin=spin,
         drift=drift,
         held=_copy(p.x),
-        shift=np.zeros((n if shifting else 0, 3)),
+        aside=np.zeros((n if aside else 0, 3)),
     )
 
 

@@ -50,9 +50,19 @@ class Law:
         """Style and options."""
         return " ".join((self.dialect, self.style, *self.options))
 
+    @property
+    def chatters(self) -> bool:
+        """Whether spins at rest turn round at every step, so that rounding grows to the size of the torques."""
+        return self.style.endswith(ROLLING[0])
+
+    @property
+    def turns_round(self) -> bool:
+        """Whether LAMMPS turns springs round when a pair crosses a periodic face and the list is renewed (see the register)."""
+        return bool(set(RESISTANCE) & set(self.options))
+
 
 def deck(law: Law, state: State, steps: int = STEPS) -> str:
-    """The deck of a law on a state; a short skin, so that the list is rebuilt on the way."""
+    """The deck of a law on a state; a short skin, so that the list is rebuilt on the way, unless the engine then errs."""
     before, behind = law.wall
     shapes = SHAPES[law.dialect, state]
     walls = [f"fix w{k} all wall/gran {before} {shape} {behind}".rstrip() for k, shape in enumerate(shapes)]
@@ -62,7 +72,7 @@ def deck(law: Law, state: State, steps: int = STEPS) -> str:
         f"boundary {BOUNDARY[state]}",
         "newton off",
         f"read_data {DATA / state}.data",
-        "neighbor 1e-4 bin",
+        f"neighbor {1e-3 if law.turns_round and state == 'bed' else 1e-4} bin",
         "neigh_modify delay 0",
         *law.lines,
         *walls,
@@ -126,10 +136,51 @@ def granular(normal: str, damping: str, tangential: str, limit: str) -> Law:
     return Law("lammps", f"granular {normal}", options, ("pair_style granular", *pairs), (f"granular {models[0]}", ""))
 
 
+COHESIVE = {"jkr": ("5e7 {} 0.3 0.5", "1.2e8 {} 0.22 2.0"), "dmt": ("5e7 {} 0.3 0.5", "1.2e8 {} 0.22 2.0")}
+PULLED = {word: DAMPING[word] for word in ("velocity", "mass_velocity", "viscoelastic")}  # damping that goes with cohesion
+VARIANTS = {
+    f"{word}{null}": ("0.5 0.2", "0.7 0.3") if null else TANGENTIAL["mindlin"]
+    for word, null in product(("mindlin/force", "mindlin_rescale", "mindlin_rescale/force"), ("", " NULL"))
+}
+RESISTANCE = {
+    "rolling sds": ("2e3 0.2 0.1", "4e3 0.1 0.2"),
+    "twisting marshall": ("", ""),
+    "twisting sds": ("1e-3 1e-6 1e-4", "2e-3 2e-6 2e-4"),
+}
+RESISTANCES = (*((word,) for word in RESISTANCE), ("rolling sds", "twisting marshall"), ("rolling sds", "twisting sds"))
+
+
+def extended(style: str, normal: str, damping: str, tangential: str, extra: Sequence[str] = (), limit: str = "unlimited") -> Law:
+    """A granular law of one of the later sub-models, in a row of its own; numbers as in `granular`. extra: words of RESISTANCE."""
+    numbers, rubbing = (NORMAL | COHESIVE)[normal], (TANGENTIAL | VARIANTS)[tangential]
+    models = []
+    for k in (0, 1):
+        words = f"{normal} {numbers[k].format(DAMPING[damping][k])} damping {damping} tangential {tangential} {rubbing[k]}"
+        models.append(" ".join((words, *(f"{word} {RESISTANCE[word][k]}" for word in extra), LIMIT[limit])).rstrip())
+    pairs = [f"pair_coeff {k} {k} {model}" for k, model in enumerate(models, start=1)]
+    word, *null = tangential.split()
+    options = (f"normal {normal}", f"damping {damping}", f"tangential {word}", f"kt {' '.join(null) or 'given'}", *extra, limit)
+    return Law("lammps", f"granular {style}", options, ("pair_style granular", *pairs), (f"granular {models[0]}", ""))
+
+
+def extended_laws() -> list[Law]:
+    """Cohesion with every damping it goes with, the variants of Mindlin's spring, and what resists rolling and twisting beside every kind of
+    spring."""
+    cohesive = product(COHESIVE, PULLED, ("linear_nohistory", "linear_history", "mindlin NULL"))
+    springs = product(("hertz/material",), ("viscoelastic",), VARIANTS, ((),), LIMIT)
+    pulled = product(("jkr",), ("viscoelastic",), [word for word in VARIANTS if "NULL" in word])
+    beside = (("hooke", "linear_history"), ("hertz/material", "mindlin NULL"), ("jkr", "mindlin NULL"), ("dmt", "linear_nohistory"))
+    return [
+        *(extended("cohesive", *c) for c in cohesive),
+        *(extended("mindlin variants", *c) for c in (*springs, *pulled)),
+        *(extended("rolling, twisting", normal, "viscoelastic", tangential, extra) for (normal, tangential), extra in product(beside, RESISTANCES)),
+    ]
+
+
 def lammps_laws() -> list[Law]:
     """All combinations that LAMMPS allows: kt NULL needs the constants of a material."""
     allowed = [c for c in product(NORMAL, DAMPING, TANGENTIAL, LIMIT) if c[0] == "hertz/material" or "NULL" not in c[2]]
-    return [classic(*c) for c in product(CLASSIC, (0, 1), LIMIT)] + [granular(*c) for c in allowed]
+    return [*(classic(*c) for c in product(CLASSIC, (0, 1), LIMIT)), *(granular(*c) for c in allowed), *extended_laws()]
 
 
 # LIGGGHTS -----------------------------------------------------------------------------------------------------------------
@@ -156,6 +207,11 @@ PER_RADIUS = {  # for hertz/stiffness, where the contact radius multiplies
     "gamman": "peratomtypepair 2 2e6 3e6 3e6 4e6",
     "gammat": "peratomtypepair 2 1e6 5e5 5e5 2e6",
 }
+TURNING = {  # for rolling friction and cohesion; the attraction of a contact is a quarter of its spring force
+    "coefficientRollingFriction": "peratomtypepair 2 0.1 0.2 0.2 0.3",
+    "coefficientRollingViscousDamping": "peratomtypepair 2 0.3 0.4 0.4 0.5",
+    "cohesionEnergyDensity": "peratomtypepair 2 3e5 4e5 4e5 5e5",
+}
 ALWAYS = ("limitForce",)
 RUBBING = ("tangential_damping",)
 OWN = {"hooke": ("viscous",), "hertz": (), "hooke/stiffness": ("absolute_damping",), "hertz/stiffness": ()}
@@ -180,19 +236,49 @@ def gran(model: str, tangential: str, states: Sequence[str]) -> Law:
     return Law("liggghts", model, options, (*fixes, pair, "pair_coeff * *"), (words, " ".join(settings)))
 
 
+ROLLING = ("rolling_friction cdt", "rolling_friction epsd", "rolling_friction epsd2")
+SJKR = "cohesion sjkr"
+
+
+def turning(model: str, tangential: str, parts: Sequence[str], settings: Sequence[str]) -> Law:
+    """A LIGGGHTS model with rolling friction, cohesion or both; the switches of its other parts as they are by default."""
+    values = PROPERTIES | (PER_RADIUS if model == "hertz/stiffness" else {}) | TURNING
+    fixes = [f"fix m{k} all property/global {name} {words}" for k, (name, words) in enumerate(values.items())]
+    words = " ".join((f"model {model} tangential {tangential}", *parts))
+    pair = " ".join(("pair_style gran", words, *settings))
+    options = (f"model {model}", f"tangential {tangential}", *settings)
+    return Law("liggghts", " ".join(parts), options, (*fixes, pair, "pair_coeff * *"), (words, " ".join(settings)))
+
+
+def turning_laws() -> list[Law]:
+    """All models with history, each with rolling friction and with cohesion and their switches in every state (limitForce does not reach
+    cdt, so it is on there), then with both; and without history or friction, switches on."""
+    found = []
+    for model in OWN:
+        for part, switch in ((SJKR, "tangential_reduce"), *((rolling, "torsionTorque") for rolling in ROLLING)):
+            limits = ("on",) if part == ROLLING[0] else ("off", "on")
+            states = [(f"limitForce {limit}", f"{switch} {state}") for limit in limits for state in ("off", "on")]
+            found += [turning(model, tangential, (part,), states[-1]) for tangential in (("off", "no_history") if part == SJKR else ("off",))]
+            found += [turning(model, "history", (part,), settings) for settings in states]
+        found += [turning(model, "history", (SJKR, part), ("limitForce on", "tangential_reduce on", "torsionTorque off")) for part in ROLLING]
+    return found
+
+
 def liggghts_laws() -> list[Law]:
     """All models, tangential models and switches."""
-    return [
+    plain = [
         gran(model, tangential, states)
         for model, tangential in product(OWN, ("off", "no_history", "history"))
         for states in product(("off", "on"), repeat=len(switches(model, tangential)))
     ]
+    return plain + turning_laws()
 
 
 LAWS = {law.name: law for law in (*lammps_laws(), *liggghts_laws())}
 CYLINDERS = (  # the laws whose walls feel the curvature, or do not
     "lammps granular hertz/material damping tsuji tangential mindlin NULL limit_damping",
     "liggghts hertz tangential history limitForce off tangential_damping on",
+    "lammps granular rolling, twisting normal hertz/material damping viscoelastic tangential mindlin kt NULL rolling sds twisting marshall unlimited",
 )
 
 
@@ -223,6 +309,8 @@ def quick_jobs() -> list[tuple[str, State]]:
 
 
 def full_jobs() -> list[tuple[str, State]]:
-    """All laws on the bed; in the silo every value of every option with every style."""
-    silo = {law.name for law in selection(LAWS.values(), values_by_style)} | set(CYLINDERS)
+    """All laws on the bed; in the silo every value of every option with every style, but jkr, which LAMMPS cuts off inside a cylinder
+    (see the register)."""
+    held = (law for law in LAWS.values() if "normal jkr" not in law.options)
+    silo = {law.name for law in selection(held, values_by_style)} | set(CYLINDERS)
     return [(name, state) for state in STATES for name in LAWS if state == "bed" or name in silo]

@@ -9,9 +9,11 @@ from concurrent.futures import Future, ProcessPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
+from demverify.chaos import nudge
 from demverify.engines.base import Job
 from demverify.frames import Frame, by_step
 from demverify.runs import Run, execute
@@ -25,18 +27,23 @@ class Difference:
     """Largest difference of a particle's force (torque) over the engine's largest force (torque): at set-up, after STEPS steps.
 
     Where the engine has no torque at all: the largest torque of the native solver over the largest force, 0 when all is well.
+    chaos_force, chaos_torque: the same after STEPS steps between two native runs whose positions are one unit in the last place apart at the
+    start; 0 where not asked for.
     """
 
     force_0: float
     torque_0: float
     force: float
     torque: float
+    chaos_force: float = 0.0
+    chaos_torque: float = 0.0
 
 
-def difference(native: Mapping[int, Frame], engine: Mapping[int, Frame]) -> Difference:
+def difference(native: Mapping[int, Frame], engine: Mapping[int, Frame], nudged: Mapping[int, Frame] | None = None) -> Difference:
     """Of the frames at set-up and at the end. Raises ValueError when the particles are not the same."""
     parts = [_relative(native[step], engine[step], names) for step in (0, STEPS) for names in (FORCE, TORQUE)]
-    return Difference(*parts)
+    chaos = [_relative(native[STEPS], nudged[STEPS], names) for names in (FORCE, TORQUE)] if nudged else []
+    return Difference(*parts, *chaos)
 
 
 def _relative(native: Frame, engine: Frame, names: tuple[str, str, str]) -> float:
@@ -52,12 +59,12 @@ def _largest(vectors: np.ndarray) -> float:
     return float(np.sqrt(np.max(np.sum(vectors**2, axis=1))))
 
 
-def run(engine: str, text: str, folder: Path) -> dict[int, Frame]:
-    """Frames by step of a deck run in an engine. Raises RuntimeError when it is not here or crashed."""
+def run(engine: str, text: str, folder: Path, **settings: Any) -> dict[int, Frame]:
+    """Frames by step of a deck run in an engine; settings: those of `execute`. Raises RuntimeError when it is not here or crashed."""
     folder.mkdir(parents=True, exist_ok=True)
     path = folder / "in.deck"
     path.write_text(text)
-    done: Run = execute(engine, engine, Job(path, folder / engine, every=STEPS, timeout_s=300.0), keep=True)
+    done: Run = execute(engine, engine, Job(path, folder / engine, every=STEPS, timeout_s=300.0), keep=True, **settings)
     if done.outcome.status != "ok":
         message = f"{engine} {done.outcome.status}: {done.outcome.reason}"
         raise RuntimeError(message)
@@ -68,7 +75,8 @@ def measure(name: str, state: State, folder: Path) -> Difference:
     """The difference of one law of the matrix on one state."""
     law = LAWS[name]
     text = deck(law, state)
-    return difference(run("native", text, folder), run(law.dialect, text, folder))
+    nudged = run("native", text, folder / "nudged", nudge=nudge) if law.chatters else None
+    return difference(run("native", text, folder), run(law.dialect, text, folder), nudged)
 
 
 @contextmanager

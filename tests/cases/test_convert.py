@@ -95,6 +95,9 @@ def test_a_wall_with_a_law_of_its_own_becomes_a_type(tmp_path: Path) -> None:
         ("hertz/material 1e6 0.5 0.3 tangential mindlin NULL 1 0.3 damping coeff_restitution", "xt = 1: LIGGGHTS' model hertz has 0.907"),
         ("hertz/material 1e6 9.0 0.3 tangential mindlin NULL 1 0.3 damping velocity", "no law like normal hertz with damping velocity"),
         ("hertz 1e6 0.5 tangential mindlin 1e8 0 0.3 damping coeff_restitution", "no Young's moduli"),
+        ("jkr 1e6 0.5 0.3 0.1 tangential mindlin NULL 1 0.3", "no law like normal jkr with damping viscoelastic"),
+        ("dmt 1e6 0.5 0.3 0.1 tangential mindlin NULL 1 0.3 damping velocity", "no law like normal dmt with damping velocity"),
+        ("hertz 1e6 0.5 tangential mindlin_rescale/force 1e8 0 0.3", "no law like friction mindlin_rescale_force"),
     ],
 )
 def test_what_cannot_be_said_is_an_error(pair: str, fragment: str, tmp_path: Path) -> None:
@@ -165,3 +168,33 @@ def test_a_stiffness_for_each_size_cannot_be_said(tmp_path: Path) -> None:
     (tmp_path / "in.liggghts").write_text(text)
     with pytest.raises(InputError, match="another stiffness for each pair of sizes"):
         convert(plan(tmp_path / "in.liggghts", {}), "lammps", tmp_path / "in.lammps")
+
+
+@pytest.mark.parametrize(
+    ("pair", "wall", "named"),
+    [
+        ("hertz rolling_friction cdt", "hertz", "rolling cdt"),
+        ("hertz/stiffness tangential history rolling_friction epsd", "hertz/stiffness", "rolling epsd"),
+        ("hooke cohesion sjkr rolling_friction epsd2", "hooke", "cohesion sjkr and rolling epsd2"),
+        ("hertz", "hertz cohesion sjkr", "cohesion sjkr"),
+    ],
+)
+def test_what_only_liggghts_has_is_named(pair: str, wall: str, named: str, tmp_path: Path) -> None:
+    """Law: rolling friction and cohesion that LAMMPS has not are refused by name, of pairs and of walls, and nothing is written."""
+    numbers = {"coefficientRollingFriction": 0.1, "coefficientRollingViscousDamping": 0.1, "cohesionEnergyDensity": 1e5}
+    more = "\n".join(f"fix r{k} all property/global {name} peratomtypepair 1 {value}" for k, (name, value) in enumerate(numbers.items()))
+    text = LIGGGHTS.format(model=pair, normal=wall, switches="", size="", properties=f"{SPRINGS}\n{more}")
+    (tmp_path / "in.liggghts").write_text(text)
+    with pytest.raises(InputError, match=f"LAMMPS has no law like {named}; write the LAMMPS deck by hand"):
+        convert(plan(tmp_path / "in.liggghts", {}), "lammps", tmp_path / "in.lammps")
+    assert [path.name for path in tmp_path.iterdir()] == ["in.liggghts"]
+
+
+@pytest.mark.parametrize(("turning", "named"), [("rolling sds 1e3 0.1 0.1", "rolling sds"), ("twisting marshall", "twisting marshall")])
+def test_what_only_lammps_has_is_named(turning: str, named: str, tmp_path: Path) -> None:
+    """Law: so are rolling and twisting of LAMMPS, which LIGGGHTS has not."""
+    deck = tmp_path / "in.lammps"
+    pair = f"pair_style granular\npair_coeff * * hooke 1e5 50 tangential linear_history 1e4 0.5 0.2 damping mass_velocity {turning}"
+    deck.write_text(LAMMPS.format(pair=pair, fix="fix n all nve/sphere"))
+    with pytest.raises(InputError, match=f"LIGGGHTS has no law like {named}; write the LIGGGHTS deck by hand"):
+        convert(plan(deck, {}), "liggghts", tmp_path / "in.liggghts")

@@ -8,9 +8,11 @@ from demverify.deck.commands.space import need_box
 from demverify.deck.forces import CHECKS
 from demverify.deck.interpreter import Interpreter
 from demverify.deck.setup import Spec
+from demverify.deck.timestep_gran import STYLE as CHECK_TIMESTEP
+from demverify.deck.timestep_gran import check_of
 
 _BOTH = ("gravity", "nve/sphere", "freeze", "wall/gran", "setforce", "enforce2d", "viscous", "print")
-_FIXES = {"lammps": _BOTH, "liggghts": (*_BOTH, "property/global", "check/timestep/gran")}
+_FIXES = {"lammps": (*_BOTH, "euler/sphere", "wall/gran/region"), "liggghts": (*_BOTH, "property/global", CHECK_TIMESTEP)}
 _OUTPUT_FIXES = ("ave/time", "ave/atom", "ave/histo", "ave/spatial", "ave/chunk", "ave/euler", "balance")  # they only watch: noted and left out
 _COMPUTES = {"lammps": ("erotate/sphere", "ke", "reduce"), "liggghts": ("erotate/sphere", "erotate", "ke", "reduce")}
 _BUILT_IN = ("thermo_temp", "thermo_press", "thermo_pe")
@@ -31,6 +33,8 @@ def fix(deck: Interpreter, cmd: Command) -> None:
         raise cmd.error(f"{name!r} is a fix {old.style} already and cannot become {style}")
     if style in CHECKS:
         CHECKS[style](deck.setup, spec)
+    if style == CHECK_TIMESTEP:
+        check_of(deck.setup, spec)
     deck.setup.fixes[name] = spec
 
 

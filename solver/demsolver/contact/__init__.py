@@ -7,7 +7,8 @@ stored at the last step, every other name is a coefficient of the pair of types.
         the normal law has its own; n from partner to particle; vn < 0 on approach; vt surface velocity; w omega less the partner's, twist_rate = w.n
     normal_elastic, stiffness = normal_elastic/overlap, gn, normal_force (with damping, after limit_damping), kt, gt
     critical_force: what mu multiplies in a limit; |normal_force| unless the normal law, or tangential_reduce, says otherwise
-    rolling_inertia: 1/I = 1/(1.4 m_i R_i^2) + 1/(1.4 m_j R_j^2); arm_ratio: (R - overlap/2)/(R - overlap) at a wall, 1 in a pair
+    rolling_inertia: 1/I = 1/(f m_i R_i^2) + 1/(f m_j R_j^2), f = 1.4, or 1.5 in two dimensions
+    arm_ratio: (R - overlap/2)/(R - overlap) at a wall, 1 in a pair
     dt; advance: False at set-up, when forces are computed but memories stay
 
 What the entry function of a family returns, and what states its energy:
@@ -28,6 +29,9 @@ MEMORY maps each stored name to its sign when the two particles change places.
 A step law is a normal law that maps the state of a contact to the state of the next step. In place of `force` it has
 step(...) -> F, shift, loss: the mean force over the coming step, all damping included (the damping law is "none"); by how much the overlap is made
 smaller on top of what F does; the energy taken in this step. Its energy(...) may ask for vn, meff and dt.
+
+An implicit law has, beside force and energy, solve(overlap, approach, compliance, ...) -> F, the mean force over the coming step, where the overlap
+(negative: a gap) would grow by `approach` without it and grows by `compliance` less per unit of F. kernel_gradient.py takes such steps.
 """
 
 from __future__ import annotations
@@ -35,7 +39,9 @@ from __future__ import annotations
 import importlib
 import inspect
 import pkgutil
-from collections.abc import Mapping
+import sys
+from collections.abc import Callable, Mapping
+from functools import cache
 from types import ModuleType
 from typing import Literal
 
@@ -53,13 +59,13 @@ ENTRY: dict[Family, str] = {
     "rolling": "torque",
     "twisting": "torque",
 }
-OPTIONAL: dict[Family, tuple[str, ...]] = {"normal": ("contact_radius", "critical_force", "reach")}
+OPTIONAL: dict[Family, tuple[str, ...]] = {"normal": ("contact_radius", "critical_force", "reach", "solve")}
 STORING: tuple[Family, ...] = ("normal", "cohesion", "friction", "rolling", "twisting")
 REMEMBERING: tuple[Family, ...] = ("friction", "rolling", "twisting")
 GIVEN = frozenset({
     "overlap", "radius", "partner_curvature", "reff", "meff", "contact_radius", "vn", "normal_elastic", "stiffness", "gn", "normal_force",
     "critical_force", "kt", "gt", "nx", "ny", "nz", "vtx", "vty", "vtz", "wx", "wy", "wz", "twist_rate", "rolling_inertia", "arm_ratio",
-    "dt", "advance",
+    "dt", "advance", "approach", "compliance",
 })  # fmt: skip
 
 
@@ -73,15 +79,21 @@ def listing(family: Family) -> tuple[str, ...]:
 
 def law(family: Family, name: str) -> ModuleType:
     """The module of one law. Raises ValueError naming the family, the name and what exists."""
-    if name not in listing(family):
+    module = f"{__name__}.{family}_{name}"
+    if module not in sys.modules and name not in listing(family):
         message = f"{family} law {name!r} is not one of {', '.join(listing(family))}"
         raise ValueError(message)
-    return importlib.import_module(f"{__name__}.{family}_{name}")
+    return importlib.import_module(module)
 
 
 def is_step_law(name: str) -> bool:
     """Whether a normal law maps a state to the next one, instead of giving the force of a state."""
     return hasattr(law("normal", name), "step")
+
+
+def is_implicit(name: str) -> bool:
+    """Whether a normal law solves for the mean force over the step."""
+    return hasattr(law("normal", name), "solve")
 
 
 def entry(family: Family, name: str) -> str:
@@ -104,7 +116,12 @@ def memory(family: Family, name: str) -> Mapping[str, int]:
 
 def parameters(family: Family, name: str, function: str | None = None) -> tuple[str, ...]:
     """Parameter names of one function of a law (its entry), in order."""
-    return tuple(inspect.signature(getattr(law(family, name), function or entry(family, name))).parameters)
+    return _signature(getattr(law(family, name), function or entry(family, name)))
+
+
+@cache
+def _signature(function: Callable[..., object]) -> tuple[str, ...]:
+    return tuple(inspect.signature(function).parameters)
 
 
 def coefficients(family: Family, name: str) -> tuple[str, ...]:

@@ -32,7 +32,7 @@ COMMANDS = [
     ("", "region a block 0 1 0 1 0", "region block ends where zhi was expected"),
     ("", "region a block 1 0 0 1 0 1", "region block xlo must not exceed xhi"),
     ("", "region a block INF 0 0 1 0 1", "region block INF for xlo needs a simulation box, and there is none yet"),
-    ("", "region a cone 0 1 0 1 0 1", "region style 'cone' is not one of block, cylinder, sphere, union, intersect"),
+    ("", "region a cone 0 1 0 1 0 1", "region style 'cone' is not one of block, cylinder, sphere, plane, union, intersect"),
     ("", "region a sphere 0 0 0 -1", "region sphere radius must be above zero, got -1"),
     ("", "region a sphere 0 0 0 1 move v_x NULL NULL", "region sphere keyword 'move' is not one of side, units"),
     (BOX, "region b sphere 0 0 0 1", "region 'b' exists already"),

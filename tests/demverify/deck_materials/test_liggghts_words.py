@@ -13,6 +13,11 @@ from demverify.deck.setup import Setup
 from demverify.errors import InputError
 from tests.support.contact_cases import setup_of
 
+ROLLING = {
+    "coefficientRollingFriction": "peratomtypepair 2 0.1 0.2 0.2 0.3",
+    "coefficientRollingViscousDamping": "peratomtypepair 2 0.4 0.5 0.5 0.6",
+    "cohesionEnergyDensity": "peratomtypepair 2 1e5 2e5 2e5 3e5",
+}
 MATERIAL = {
     "youngsModulus": "peratomtype 5e6 1.2e7",
     "poissonsRatio": "peratomtype 0.3 0.22",
@@ -63,6 +68,60 @@ def test_defaults() -> None:
     assert (rubbing.surface_arm, rubbing.torque_arm) == ("contact", "contact")
 
 
+@pytest.mark.parametrize(
+    ("words", "names", "own"),
+    [
+        ("rolling_friction cdt", ("none", "cdt"), {"rolling_friction", "torsion"}),
+        ("rolling_friction epsd torsionTorque on", ("none", "epsd"), {"rolling_friction", "torsion", "rolling_damping_ratio"}),
+        ("rolling_friction epsd2", ("none", "epsd2"), {"rolling_friction", "torsion"}),
+        ("cohesion sjkr tangential_reduce on", ("sjkr", "none"), {"cohesion_energy_density"}),
+        (
+            "cohesion sjkr rolling_friction cdt surface default limitForce on", ("sjkr", "cdt"),
+            {"rolling_friction", "torsion", "cohesion_energy_density"},
+        ),
+    ],
+)
+def test_rolling_friction_and_cohesion(words: str, names: tuple[str, str], own: set[str]) -> None:
+    """Law: each model brings its law, the tables of its properties and its switch; torsionTorque and tangential_reduce are off by default."""
+    found, plain = law(f"{HERTZ} {words}", **ROLLING), law()
+    assert (found.cohesion, found.rolling, found.twisting) == (*names, "none")
+    assert set(found.coefficients) - set(plain.coefficients) == own
+    tables = {"rolling_friction": [0.1, 0.2, 0.3], "rolling_damping_ratio": [0.4, 0.5, 0.6], "cohesion_energy_density": [1e5, 2e5, 3e5]}
+    tables["torsion"] = [float("torsionTorque on" in words)] * 3
+    for name in own:
+        assert found.coefficients[name][[0, 0, 1], [0, 1, 1]].tolist() == tables[name]
+    assert found.tangential_reduce == ("tangential_reduce on" in words)
+    assert (found.friction, found.limit_damping) == (plain.friction, "limitForce on" in words)
+
+
+def test_properties_are_asked_for_by_the_model_that_needs_them() -> None:
+    """Law: a property that no model of the deck uses may be missing; a missing one is named with its user."""
+    needs = {
+        "rolling_friction cdt": "coefficientRollingFriction",
+        "rolling_friction epsd2": "coefficientRollingFriction",
+        "rolling_friction epsd": "coefficientRollingViscousDamping",
+        "cohesion sjkr": "cohesionEnergyDensity",
+    }
+    for words, name in needs.items():
+        with pytest.raises(InputError, match=rf"^in.case:1: {words} needs the property {name} \(fix ID all property/global {name} peratomtypepair"):
+            law(f"{HERTZ} {words}", **(ROLLING | {name: None}))
+    assert law(f"{HERTZ} rolling_friction cdt", coefficientRollingFriction=ROLLING["coefficientRollingFriction"]).rolling == "cdt"
+
+
+@pytest.mark.parametrize("name", ROLLING)
+def test_properties_are_not_negative(name: str) -> None:
+    """Law: a negative one would drive what it is to brake, or push where it is to pull; the line says which value and what is allowed."""
+    wrong = ROLLING | {name: "peratomtypepair 2 1 1 1 -2"}
+    with pytest.raises(InputError, match=f"property/global {name} must be >= 0, got -2$"):
+        law(f"{HERTZ} cohesion sjkr rolling_friction epsd", **wrong)
+
+
+def test_epsd2_has_its_spring_without_friction() -> None:
+    """Law: epsd2 takes kt, so the stiffness is there although tangential is off; the other models do without."""
+    assert law("model hertz rolling_friction epsd2", **ROLLING).tangential_stiffness == "mindlin"
+    assert law("model hertz rolling_friction epsd", **ROLLING).tangential_stiffness == "none"
+
+
 def test_last_switch_wins_and_off_parts_are_accepted() -> None:
     """A switch may be repeated; cohesion off, rolling_friction off and surface default say what is so anyway."""
     assert not law(f"{HERTZ} limitForce on limitForce off").limit_damping
@@ -108,9 +167,9 @@ def test_bounds_depend_on_the_units() -> None:
 def test_walls() -> None:
     """One plane; cylinders of any axis, centre in cyclic order, no curvature; contact at zero gap; material of the type."""
     deck = [
-        *lines(),
+        *lines(**ROLLING),
         f"fix a all wall/gran {HERTZ} primitive type 2 xplane 0.5 shear y 0.3 limitForce on",
-        f"fix b all wall/gran {HERTZ} primitive type 1 ycylinder 5 1 2",
+        f"fix b all wall/gran {HERTZ} cohesion sjkr rolling_friction cdt primitive type 1 ycylinder 5 1 2 torsionTorque on tangential_reduce on",
     ]
     plane, cylinder = materials_liggghts.walls(setup_of(deck, "liggghts"))
     assert plane.shape == Slab(0, 0.5, inf)
@@ -118,14 +177,27 @@ def test_walls() -> None:
     assert cylinder.shape == Cylinder(1, (1.0, 2.0), 5.0, "flat")
     assert plane.law.coefficients["mu"].tolist() == [0.3, 0.2]
     assert cylinder.law.coefficients["mu"].tolist() == [0.5, 0.3]
+    assert (plane.law.rolling, plane.law.cohesion) == ("none", "none")
+    assert (cylinder.law.rolling, cylinder.law.cohesion, cylinder.law.tangential_reduce) == ("cdt", "sjkr", True)
+    assert cylinder.law.coefficients["rolling_friction"].tolist() == [0.1, 0.2]
+    assert cylinder.law.coefficients["torsion"].tolist() == [1.0, 1.0]
 
 
 WRONG_STYLES = {
     "hertz": r"^in.case:1: pair_style gran must begin with model hooke \|",
     "model hurtz": r"^in.case:1: pair_style gran model 'hurtz' is not one of hooke, hertz, hooke/stiffness, hertz/stiffness$",
     "model hertz tangential sticky": "tangential model 'sticky' is not one of off, no_history, history",
-    "model hertz rolling_friction cdt": "rolling_friction cdt is not supported yet; supported: rolling_friction off",
-    "model hertz cohesion sjkr": "cohesion sjkr is not supported yet; supported: cohesion off",
+    "model hertz rolling_friction epsd3": r"rolling_friction epsd3 is not supported yet; supported: rolling_friction off \| cdt \| epsd \| epsd2$",
+    "model hertz cohesion sjkr2": r"cohesion sjkr2 is not supported yet; supported: cohesion off \| sjkr$",
+    "model hertz surface superquadric": "surface superquadric is not supported yet; supported: surface default$",
+    "model hertz rolling_friction cdt cohesion sjkr": "has cohesion too late; the order is model, tangential, cohesion, rolling_friction",
+    "model hertz cohesion sjkr tangential history": "has tangential too late",
+    "model hertz torsionTorque on rolling_friction cdt": "has torsionTorque without a rolling_friction model, whose switch it is",
+    "model hertz rolling_friction cdt tangential_reduce on": "has tangential_reduce without a cohesion model, whose switch it is",
+    "model hertz rolling_friction off torsionTorque off": "has torsionTorque without a rolling_friction model",
+    "model hertz rolling_friction cdt torsionTorque 1": "switch torsionTorque '1' is not one of on, off",
+    "model hertz rolling_friction cdt torsion on": "switch of model hertz 'torsion' is not one of tangential_damping, limitForce, torsionTorque$",
+    "model hertz cohesion sjkr rolling_friction": "ends where rolling_friction model was expected",
     "model hertz rolling_friction off tangential history": "has tangential too late; the order is model, tangential, cohesion",
     "model hertz limitForce on tangential history": "has tangential too late",
     "model hertz viscous on": "switch of model hertz 'viscous' is not one of tangential_damping, limitForce$",
@@ -160,6 +232,7 @@ WRONG_PROPERTIES = {
     ("coefficientRestitution", "peratomtypepair 2 0.6 0.5 0.5"): "must have 4 values, got 3",
     ("coefficientRestitution", "peratomtypepair 1 0.6"): "must have 2 columns, one a type",
     ("coefficientRestitution", "peratomtypepair two 0.6"): "number of columns must be a whole number, got 'two'",
+    ("coefficientFriction", "peratomtypepair 2 0.5 -0.3 -0.3 0.2"): "must be >= 0, got -0.3",
 }
 
 

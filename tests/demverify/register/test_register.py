@@ -224,7 +224,18 @@ def test_features_of_granular_laws(law: str, damping: str, tangential: str, fric
         assert (found.damping, found.tangential, found.friction) == (frozenset({damping}), frozenset({tangential}), friction)
 
 
-STYLE = "gran model hooke tangential history limitForce on viscous off"
+def test_rolling_and_twisting_models_are_features() -> None:
+    """What resists turning is named, and touches entries on springs that change sign; models that are switched off are not there."""
+    setup = lammps_setup(coeff="* * hooke 1e4 0 tangential linear_nohistory 0 0 rolling sds 1 0 0.1 twisting none")
+    setup.fixes["w"] = fix("w", "wall/gran", "granular hooke 1e4 0 tangential linear_nohistory 0 0 twisting marshall zplane 0 NULL")
+    found = features_of(setup, runs=1)
+    assert (found.rolling, found.twisting) == ({"sds"}, {"marshall"})
+    entry = "lammps-turning-springs-change-sign"
+    assert entry in names("lammps", found, "native", "lammps")
+    assert entry not in names("lammps", replace(found, rolling=frozenset(), twisting=frozenset()), "native", "lammps")
+
+
+STYLE = "gran model hooke tangential history cohesion off rolling_friction epsd limitForce on viscous off"
 
 
 def test_features_of_a_liggghts_deck() -> None:
@@ -243,6 +254,7 @@ def test_features_of_a_liggghts_deck() -> None:
     assert (elastic.tangential_damping, found.tangential_damping) == (False, True)
     assert found.normal == {"hooke", "hertz/stiffness"}
     assert found.tangential == {"history", "off"}
+    assert found.rolling == {"epsd"}
     assert found.switches == {"limit_damping"}
     assert found.cylinders == {"y"}
     assert found.discs

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import assume, given, settings
+from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
@@ -119,7 +119,7 @@ def test_lammps_drops_a_fresh_contact_over_the_bound(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", NAMES)
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=50, deadline=None, suppress_health_check=[HealthCheck.filter_too_much])
 @given(c=contacts(), axis=vectors, angle=numbers(0.1, 6.0))
 def test_turning_the_contact_turns_the_answer(name: str, c: Contact, axis: Floats, angle: float) -> None:
     """Rotated normal, velocity and history give the rotated force and history."""

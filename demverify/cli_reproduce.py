@@ -1,0 +1,60 @@
+"""`demverify reproduce`: the words of the command line, and where its results go."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+if TYPE_CHECKING:
+    from demverify.studies import Progress
+
+
+def reproduce(
+    study: Annotated[list[str] | None, typer.Argument(metavar="[STUDY]...", help="Which studies; all when none is named.")] = None,
+    out: Annotated[Path, typer.Option(metavar="DIR", help="Folder for reports, pictures and numbers.")] = Path("demverify-reproduce"),
+    json: Annotated[Path | None, typer.Option(metavar="FILE", help="Also write claims and numbers of all studies as JSON.")] = None,
+    quick: Annotated[bool, typer.Option("--quick", help="A smaller run, under a minute, that shows the same.")] = False,
+) -> None:
+    """Compute again what a document states, and say of each statement whether it came out."""
+    from demverify import studies
+    from demverify.formats.atomic import check_writable
+    from demverify.report.json import write_whole
+    from demverify.report.study import as_dict, as_json, write_study
+    from demverify.report.study_text import print_study
+
+    names = tuple(dict.fromkeys(study or studies.listing()))
+    studies.check(names)
+    if json:
+        check_writable(json)
+    for name in names:
+        (out / name).mkdir(parents=True, exist_ok=True)
+    found = {}
+    for name in names:
+        with _bar(name) as progress:
+            found[name] = studies.run(name, quick, progress)
+        command = f"demverify reproduce {name}{' --quick' if quick else ''}"
+        print_study(name, found[name], write_study(out / name, name, found[name], command))
+    if json:
+        write_whole(json, as_json({"quick": quick, "studies": {name: as_dict(one) for name, one in found.items()}}))
+    raise typer.Exit(1 if any(studies.unexplained(one) for one in found.values()) else 0)
+
+
+@contextmanager
+def _bar(name: str) -> Iterator[Progress]:
+    """What is being done and how far it is, on stderr, where there is somebody to see it."""
+    if not sys.stderr.isatty():
+        yield lambda what, share: None
+        return
+    from rich.console import Console
+    from rich.progress import BarColumn, TaskProgressColumn, TextColumn, TimeElapsedColumn
+    from rich.progress import Progress as Bars
+
+    columns = (TextColumn(name), BarColumn(), TaskProgressColumn(), TimeElapsedColumn(), TextColumn("{task.description}"))
+    with Bars(*columns, console=Console(stderr=True), transient=True) as bars:
+        task = bars.add_task("", total=1.0)
+        yield lambda what, share: bars.update(task, completed=share, description=what)
