@@ -56,8 +56,8 @@ def portrait_claims(numbers: Numbers) -> tuple[Claim, ...]:
             "States of P go from mode 1 to mode 2 and on to mode 4, the last.",
             f"P passes through the modes {' and '.join('-'.join(map(str, way)) for way in of_p)}.",
             of_p == [(1, 2, 4)],
-            "A contact that comes to mode 2 with a² + (1 + a) s² ≥ 1 ends there: the hole of the flow chart. One more step at the end is gravity's, in "
-            "the slowest contacts.",
+            "A contact that comes to mode 2 with a² + (1 + a) s² ≥ 1 ends there: the hole of the flow chart. One more step at the end, in the "
+            "slowest contacts, is gravity's.",
         ),
         Claim(
             "F: a contact that begins beyond the line s = 1/e is over in one step, its state alone.",
