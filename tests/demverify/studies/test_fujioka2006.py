@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from copy import deepcopy
+from dataclasses import replace
 from itertools import islice
 from math import cos, pi, sin, sqrt
 from typing import Any
@@ -13,7 +14,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from demsolver import contact
-from demverify.studies import Claim
+from demverify.studies import Claim, _fujioka_sliding
 from demverify.studies import _fujioka_models as models
 from demverify.studies._fujioka_bounces import contacts, dropped, shot, steps_in_contact
 from demverify.studies._fujioka_cost import COUNTS, HEIGHTS, STEPS, cost_claims, steps_claims
@@ -256,3 +257,13 @@ def test_figures_tell_what_they_show() -> None:
         assert figure.svg.startswith('<svg class="plot" role="img" aria-label="')
         assert "nan" not in figure.svg.partition(">")[2]
     assert all(f">{name}</text>" in figures[0].svg for name in PAPER)
+
+
+def test_what_stops_c(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Law: the error of C in d' stays as the step is made finer; with dashpots that may not pull (limit_damping) it falls with dt^2."""
+    steps = (4e-5, 1e-5)
+    pulling = [abs(slide(BY_NAME["C"], dt)[0] / final_speed() - 1.0) for dt in steps]
+    monkeypatch.setattr(_fujioka_sliding, "law", lambda *words: replace(models.law(*words), limit_damping=True))
+    limited = [abs(slide(BY_NAME["C"], dt)[0] / final_speed() - 1.0) for dt in steps]
+    assert pulling[1] == pytest.approx(pulling[0], rel=0.15)
+    assert limited[0] / limited[1] == pytest.approx(16.0, rel=0.05)
