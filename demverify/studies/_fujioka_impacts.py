@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from demverify.frames import Floats
-from demverify.report.axes import linear
+from demverify.report.axes import linear, scientific
 from demverify.report.charts import Rule, Series, chart
 from demverify.studies import Claim, Figure, Finding, Progress
 from demverify.studies._fujioka_bounces import Contact, contacts, crosses_the_plane, dropped, shot
@@ -53,7 +53,7 @@ def off(ratios: Sequence[float] | Floats, many: int | None = None) -> float:
 
 
 def _said(numbers: Numbers, many: int | None = None) -> str:
-    return ", ".join(f"{name} {off(numbers[name]['ratio'], many):.2g}" for name in PAPER)
+    return ", ".join(f"{name} {scientific(off(numbers[name]['ratio'], many))}" for name in PAPER)
 
 
 def slow_claims(numbers: Numbers) -> tuple[Claim, ...]:
@@ -100,7 +100,7 @@ def fast_claims(numbers: Numbers) -> tuple[Claim, ...]:
         ),
         Claim(
             "T goes on after the first impact, but its ratio is not constant.",
-            f"Ratios of the first {FIRST} impacts spread over {', '.join(f'{value:.2g} ({name})' for name, value in spread.items())}.",
+            f"Ratios of the first {FIRST} impacts spread over {', '.join(f'{scientific(value)} ({name})' for name, value in spread.items())}.",
             len(ratios["T"]) > 1 and spread["T"] > max(0.1, 10.0 * spread["F"], 10.0 * spread["P"]),
         ),
         Claim(

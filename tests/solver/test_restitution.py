@@ -83,7 +83,7 @@ def impacts(spring: Spring, limit: bool, steps: int, integrator: EulerSphere | N
     scene = Scene(box, p, n, dt, walls=walls, integrate=(integrator,), neighbor=Neighbor(50.0))  # type: ignore[arg-type]
     simulation = Simulation(scene)
     simulation.setup()
-    simulation.advance(20 * steps)
+    simulation.advance(6 * steps)
     return simulation.bodies.v[:, 2].copy()
 
 
