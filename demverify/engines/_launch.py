@@ -103,15 +103,43 @@ def _wait(process: subprocess.Popen[bytes], deadline: float) -> int | None:
 
 
 def _end_group(process: subprocess.Popen[bytes]) -> None:
-    """Ask the group to end, which lets mpiexec end its ranks; then make it."""
+    """Ask the group to end, which lets mpiexec end its ranks; then make it, and what it started elsewhere: ranks have sessions of their own."""
     if process.poll() is not None:
         return
+    family = _descendants(process.pid)
     for number in (signal.SIGTERM, signal.SIGKILL):
         with suppress(ProcessLookupError):
             os.killpg(process.pid, number)
         with suppress(subprocess.TimeoutExpired):
             process.wait(timeout=_GRACE_S)
-            return
+            break
+    for pid, born in family.items():
+        if _born(pid) == born:  # a number may have been given to another process since
+            with suppress(ProcessLookupError):
+                os.kill(pid, signal.SIGKILL)
+
+
+def _descendants(root: int) -> dict[int, str]:
+    """Process number -> time of birth, of all that descend from `root`."""
+    stats = {int(path.name): _stat(int(path.name)) for path in Path("/proc").iterdir() if path.name.isdigit()}
+    found: dict[int, str] = {}
+    parents = {root}
+    while parents:
+        parents = {pid for pid, fields in stats.items() if fields and int(fields[1]) in parents and pid not in found}
+        found |= {pid: stats[pid][19] for pid in parents}
+    return found
+
+
+def _born(pid: int) -> str:
+    return fields[19] if (fields := _stat(pid)) else ""
+
+
+def _stat(pid: int) -> list[str]:
+    """Fields of /proc/PID/stat from the third on (state, parent, ...); empty when it is gone."""
+    try:
+        return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
+    except OSError:
+        return []
 
 
 def _trouble(code: int | None, timeout_s: float) -> str:

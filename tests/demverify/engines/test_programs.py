@@ -216,6 +216,17 @@ def test_the_time_limit_ends_every_process(engine, ranks, write, run):
     assert left_in(outcome.folder) == []
 
 
+def test_what_a_program_started_in_a_session_of_its_own_ends_with_it(write, tmp_path):
+    """A launcher that does not heed SIGTERM leaves no rank behind, though its ranks are in sessions of their own."""
+    script = tmp_path / "launcher"
+    script.write_text("#!/bin/sh\ntrap '' TERM\nsetsid sleep 60 &\nwait\n")
+    script.chmod(0o755)
+    program = Program("lammps", Found("0", script), (str(script),), os.environ)
+    outcome = launch(program, Job(write("lammps", "run 1\n"), tmp_path / "out", timeout_s=1.0), None)
+    assert outcome.status == "crashed"
+    assert left_in(outcome.folder) == []
+
+
 def test_a_killed_program_is_told_with_its_signal(write, tmp_path):
     """A segmentation fault prints no ERROR: the reason names the signal and the last line that was printed."""
     command = ("/bin/sh", "-c", "echo last words; kill -SEGV $$", "-")
