@@ -102,8 +102,10 @@ def _check_damping(words: Words, model: Model, steps: bool) -> None:
         wrong = "limit_damping" if model.limit_damping else f"damping {model.damping}"
         raise words.error(f"{wrong} does not go with the cohesive normal model {model.normal}, as in LAMMPS")
     if model.damping in RESTITUTION:
-        low = 0.0 if model.damping == "tsuji" else 1e-300
-        words.within(f"restitution of damping {model.damping}", model.damping_number, low, 1.0)
+        what, value = f"restitution of damping {model.damping}", model.damping_number
+        if model.damping == "coeff_restitution" and not 0.0 < value <= 1.0:
+            raise words.error(f"{what} must be above 0 and at most 1, got {value:g}")
+        words.within(what, value, 0.0, 1.0)
 
 
 def _check_step_law(words: Words, model: Model) -> None:
