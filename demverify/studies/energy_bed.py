@@ -127,26 +127,28 @@ def _table(courses: list[Course]) -> Table:
 def picture(courses: list[Course]) -> str:
     """|change| over steps, all ways and steps in one picture."""
     last = max(float(one.steps[-1]) for one in courses)
-    axes: tuple[Axis, Axis] = (linear(0.0, last), decades(-16, 1))
+    axes: tuple[Axis, Axis] = (linear(0.0, last), decades(-16, 2))
     series, named = [], set()
     for one in courses:
         series.append(Series("" if one.way in named else one.way.name, one.steps[1:], np.abs(one.change[1:]), one.way.style))
         named.add(one.way)
-    labels = [_end(one, f"{one.step:g}") for one in courses if (one.way.law == "hooke" and not one.way.euler) or one.way.law == "fujioka2006"]
+    labels = [_label(one, f"{one.step:g}", 1.0) for one in courses if one.way.law == "hooke" and not one.way.euler]
+    mended = [one for one in courses if one.way.law == "fujioka2006"]
+    labels += [_label(one, f"{one.step:g}", 0.5 + 0.15 * k) for k, one in enumerate(mended)]  # side by side, for the lines are close
     exact = [one for one in courses if one.way.law == "discrete_gradient"]
-    labels.append(_end(max(exact, key=lambda one: one.worst), "all four steps"))
+    labels.append(_label(max(exact, key=lambda one: one.worst), "all four steps", 1.0))
     return chart(
         "energy off by", "Relative change of the energy over steps, for four ways of stepping at four steps each", series, axes,
         ("steps; at the lines: the step in contact times", "relative to the first"), [label for label in labels if label],
     )  # fmt: skip
 
 
-def _end(one: Course, name: str) -> Rule | None:
-    """The name of a line where it ends, or breaks."""
+def _label(one: Course, name: str, share: float) -> Rule | None:
+    """A name at a line, at a share of the way to its end, or to where it breaks."""
     known = np.flatnonzero(np.isfinite(one.change[1:])) + 1
     if not len(known):
         return None
-    k = known[-1]
+    k = known[int(share * (len(known) - 1))]
     return Rule(name, one.steps[[k, k]], np.abs(one.change[[k, k]]))
 
 
