@@ -62,12 +62,12 @@ def _cylinder(shape: Cylinder, closed: bool) -> str:
 
 def _plane(shape: Plane, closed: bool) -> str:
     touch = "<=" if closed else "<"
-    seen = "high > 0.0 and " if shape.one_sided else ""
+    side = "1.0, high" if shape.one_sided else "(1.0, high) if high > 0.0 else (-1.0, -high)"
     return f"""
         ex, ey, ez = b.x[i, 0] - geometry[3], b.x[i, 1] - geometry[4], b.x[i, 2] - geometry[5]
         high = ex * geometry[0] + ey * geometry[1] + ez * geometry[2] - geometry[6]
-        sign, way = (1.0, high) if high > 0.0 else (-1.0, -high)
-        touches = {seen}way > 0.0 and way {touch} b.radius[i] + gap
+        sign, way = {side}
+        touches = way > 0.0 and way {touch} b.radius[i] + gap
         nx, ny, nz = sign * geometry[0], sign * geometry[1], sign * geometry[2]
         reff = b.radius[i]
         ex, ey, ez = ex - way * nx, ey - way * ny, ez - way * nz
@@ -226,7 +226,6 @@ def _mean_normal(shape: Slab | Cylinder | Plane) -> str:
     return f"""
         both = off + sqrt((du + path[i, {u}]) ** 2 + (dv + path[i, {v}]) ** 2)
         nx, ny, nz = {", ".join(normal)}
-        wvx, wvy, wvz = geometry[3], geometry[4], geometry[5]
 """
 
 

@@ -69,8 +69,8 @@ class Simulation:
     """A scene in motion.
 
     `setup()` computes the forces of the current state with full-step velocities and leaves histories alone, as the engines do at
-    every `run`; `advance(n)` runs n steps. `budget=True` also keeps the account of dissipated energy,
-    `virial=True` the virial of the pairs.
+    every `run`; `advance(n)` runs n steps. Scenes with step laws or implicit laws run on one thread. `budget=True` also keeps the
+    account of dissipated energy, `virial=True` the virial of the pairs.
     """
 
     def __init__(self, scene: Scene, *, threads: int = 1, budget: bool = False, virial: bool = False) -> None:
@@ -82,12 +82,14 @@ class Simulation:
         self.id: Ints = np.array(scene.particles.id, dtype=np.int64)
         self._budget = budget
         self.virial = virial
+        aside = shifting(scene) or implicit(scene)
+        threads = 1 if aside else threads  # what is set aside is summed in one array
         self._threads = threads
         self._kernel = specialise(scene, threads, budget=budget, virial=virial)
         self._extra = BUDGET_COLUMNS if budget else 0
         self._signs = memory_signs(scene.pair)
         self._columns = len(self._signs) + self._extra
-        self.bodies: Bodies = bodies_of(scene, aside=shifting(scene) or implicit(scene))
+        self.bodies: Bodies = bodies_of(scene, aside=aside)
         self.pairs: Pairs = neighbors.empty_pairs(len(self.id), self._columns)
         self._walls = tuple(self._wall_arrays(wall) for wall in scene.walls)
         self._fields = self._field_arrays()

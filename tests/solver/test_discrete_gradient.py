@@ -203,6 +203,17 @@ def test_it_comes_to_the_same_as_verlet() -> None:
     assert np.abs(ends[0] - ends[1]).max() < 1e-7  # of a way of 1e-3 m, steps of 1/500 contact
 
 
+def test_a_one_sided_plane_does_nothing_behind_it() -> None:
+    """Law: a sphere behind a plane that is felt from one side flies on, also where the step is solved."""
+    p = spheres(np.array([[0.0, 0.0, -0.004]]), np.array([0.005]), v=np.array([[0.1, 0.0, 0.2]]))
+    for one_sided in (True, False):
+        wall = Wall("w", Plane((0.0, 0.0, 1.0), 0.0, one_sided=one_sided), law((1,)))
+        simulation = Simulation(Scene(box(1.0), p, 1, 1e-5, walls=(wall,), integrate=(NveSphere(),), neighbor=Neighbor(0.01)))
+        simulation.setup()
+        simulation.advance(3)
+        assert np.array_equal(simulation.bodies.v, p.v) is one_sided
+
+
 def test_frozen_spheres_stay() -> None:
     """Law: a frozen sphere neither moves nor takes energy from what hits it."""
     p = spheres(np.array([[0.0, 0, 0], [0.0, 0.0, 0.012]]), np.full(2, 0.005), v=np.array([[0.0, 0, 0], [0.0, 0.0, -1.0]]))
@@ -215,6 +226,21 @@ def test_frozen_spheres_stay() -> None:
     simulation.advance(600)
     assert not simulation.bodies.v[0].any()
     assert np.allclose(simulation.bodies.v[1], [0.0, 0.0, 1.0], rtol=0, atol=1e-12)
+
+
+@pytest.mark.parametrize("normal", ["discrete_gradient", "fujioka2006"])
+def test_threads_change_nothing(normal: str) -> None:
+    """Law: with any number of threads the same motion, bit for bit, although such laws set sums aside."""
+    one_each = {"kn": KN * np.ones((1, 1)), "restitution": 0.7 * np.ones((1, 1))}
+    scene = replace(heap(np.random.default_rng(10), 0.2), walls=(), forces=(), box=box(10.0))
+    scene = replace(scene, pair=ContactLaw(normal, "none", "none", "none", "none", one_each))
+    ends = []
+    for threads in (1, 2):
+        simulation = Simulation(scene, threads=threads)
+        simulation.setup()
+        simulation.advance(50)
+        ends.append(simulation.bodies.x.copy())
+    assert np.array_equal(*ends)
 
 
 def test_what_it_cannot_hold_is_refused() -> None:

@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from demsolver import contact
+from tests.support.turns import rotation
 
 Floats = NDArray[np.float64]
 WITH_HISTORY = ("classic_history", "liggghts_history", "rotated_history")  # of the displacement; other memories have tests of their own
@@ -134,13 +135,6 @@ def test_turning_the_contact_turns_the_answer(name: str, c: Contact, axis: Float
     (force, s), (force_turned, s_turned) = apply(name, c), apply(name, turned)
     assert np.allclose(force_turned, turn @ force, rtol=0, atol=1e-9 * size + 1e-12)
     assert np.allclose(c.kt * s_turned, c.kt * (turn @ s), rtol=0, atol=1e-9 * size + 1e-12)
-
-
-def rotation(axis: Floats, angle: float) -> Floats:
-    """Rodrigues' matrix about a unit axis."""
-    x, y, z = axis
-    cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
-    return np.asarray(np.eye(3) + np.sin(angle) * cross + (1.0 - np.cos(angle)) * cross @ cross)
 
 
 @pytest.mark.parametrize("name", WITH_HISTORY)
