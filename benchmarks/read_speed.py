@@ -174,14 +174,19 @@ def busy():
     return (int(user) + int(nice) + int(system)) / os.sysconf("SC_CLK_TCK")
 
 
-def timed(read, patience):
-    """Wall time of a call; what it returns, if anything, is processor time used outside of this process."""
+def wait_for_quiet(patience):
+    """Waits up to so many seconds for others to use less than a tenth of a core."""
     until = time.perf_counter() + patience
     while time.perf_counter() < until:
         start, before = time.perf_counter(), busy()
         time.sleep(0.5)
         if busy() - before < 0.1 * (time.perf_counter() - start):
             break
+
+
+def timed(read, patience):
+    """Wall time of a call; what it returns, if anything, is processor time used outside of this process."""
+    wait_for_quiet(patience)
     before, cpu, start = busy(), time.process_time(), time.perf_counter()
     elsewhere = read()
     wall = time.perf_counter() - start

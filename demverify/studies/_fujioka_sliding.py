@@ -48,13 +48,14 @@ def slide(model: Model, dt: float) -> tuple[float, float]:
     pair = law(model, np.full((1, 1), stiffness(model, mass / 2, RADIUS / 2, 2 * RADIUS, dt)))
     floor = law(model, np.full(1, stiffness(model, mass, RADIUS, 2 * RADIUS, dt)))
     running = simulation(spheres, pair, floor, dt, skin=RADIUS)
-    b, last = running.bodies, 0
+    last = 0
     for step in range(1, int(1.2 * parting_time() * scale / dt)):
         running.advance(1)
-        apart = b.x[2] - b.x[1]
+        x = running.bodies.x
+        apart = x[2] - x[1]
         if apart @ apart < 4.0 * RADIUS**2:
             last = step
-    return float(b.v[1, 0]) / sqrt(4.0 * GRAVITY * RADIUS), (last + 1) * dt / scale
+    return float(running.bodies.v[1, 0]) / sqrt(4.0 * GRAVITY * RADIUS), (last + 1) * dt / scale
 
 
 def sliding_numbers(quick: bool, progress: Progress) -> dict[str, Any]:

@@ -7,6 +7,7 @@ simulation.advance(1000)
 simulation.bodies.force
 """
 
+from demsolver.energy_budget import EnergyBudget
 from demsolver.scene import (
     Box,
     ContactLaw,
@@ -25,7 +26,7 @@ from demsolver.scene import (
     Viscous,
     Wall,
 )  # fmt: skip
-from demsolver.simulate import EnergyBudget, LostParticles, Simulation, Unstable
+from demsolver.simulate import LostParticles, Simulation, Unstable
 
 __all__ = [
     "Box", "ContactLaw", "Cylinder", "EnergyBudget", "Enforce2D", "EulerSphere", "Freeze", "Gravity", "LostParticles", "Neighbor", "NveSphere",

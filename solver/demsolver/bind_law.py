@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 
 import numpy as np
@@ -96,11 +97,19 @@ def check_law(law: ContactLaw) -> None:
             raise ValueError(message)
 
 
-def contact_source(name: str, law: ContactLaw) -> str:
-    """Source of `<name>_contact`, `<name>_stored`, `<name>_reach`, `<name>_rolling_share` and, of implicit laws, `<name>_solve`."""
+def contact_source(name: str, law: ContactLaw, *, one: bool = False, lanes: bool = False) -> str:
+    """Source of `<name>_contact`, `<name>_stored`, `<name>_reach`, `<name>_rolling_share` and, of implicit laws, `<name>_solve`.
+
+    one: the coefficients come as one row, the same for all types, not as a table. lanes: `<name>_contact` finds the memory of contact k in
+    lane k of a block (kernel_contact.py), not in row k of a table.
+    """
     check_law(law)
     parts = [_contact, _stored, _reach, _rolling_share, *([_solve] if is_implicit(law) else [])]
-    return "\n\n".join("\n".join(part(name, law)) for part in parts) + "\n\n"
+    sources = ["\n".join(part(name, law)) for part in parts]
+    if lanes:
+        sources[0] = re.sub(r"memory\[k, (\d+)\]", r"memory[\1 * BLOCK + k]", sources[0])
+    text = "\n\n".join(sources) + "\n\n"
+    return text.replace("coefficients[row, ", "coefficients[") if one else text
 
 
 def _call(name: str, law: ContactLaw, family: contact.Family, function: str | None = None) -> str:
@@ -154,7 +163,7 @@ def _contact(name: str, law: ContactLaw) -> list[str]:
         return f"    {', '.join([results, *contact.memory(family, getattr(law, family))])} = {_call(name, law, family)}"
 
     return [
-        "@compiled",
+        "@inlined",
         f"def {name}_contact({SIGNATURE}):",
         *_coefficients(law),
         *_recall(law),
@@ -193,12 +202,12 @@ def _stored(name: str, law: ContactLaw) -> list[str]:
 
 def _reach(name: str, law: ContactLaw) -> list[str]:
     gap = _call(name, law, "normal", "reach") if goes_beyond(law) else "0.0"
-    return ["@compiled", f"def {name}_reach(reff, coefficients, row):", *_coefficients(law), f"    return {gap}"]
+    return ["@inlined", f"def {name}_reach(reff, coefficients, row):", *_coefficients(law), f"    return {gap}"]
 
 
 def _rolling_share(name: str, law: ContactLaw) -> list[str]:
     scales = law.rolling != "none" and getattr(contact.law("rolling", law.rolling), "SCALES_WITH_RADIUS", False)
-    return ["@compiled", f"def {name}_rolling_share(radius, partner_radius):", f"    return {'partner_radius / radius' if scales else '1.0'}"]
+    return ["@inlined", f"def {name}_rolling_share(radius, partner_radius):", f"    return {'partner_radius / radius' if scales else '1.0'}"]
 
 
 def _solve(name: str, law: ContactLaw) -> list[str]:
@@ -217,5 +226,5 @@ def law_functions(name: str, law: ContactLaw) -> dict[str, Callable[..., object]
 
 def law_imports(name: str, law: ContactLaw) -> str:
     """Source that binds `law_functions` in the generated module."""
-    lines = [f"{key} = compiled({f.__module__}.{f.__name__})" for key, f in law_functions(name, law).items()]
+    lines = [f"{key} = inlined({f.__module__}.{f.__name__})" for key, f in law_functions(name, law).items()]
     return "\n".join([*(f"import {m}" for m in sorted({f.__module__ for f in law_functions(name, law).values()})), *lines]) + "\n"

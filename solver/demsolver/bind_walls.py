@@ -9,7 +9,7 @@ import numpy as np
 
 from demsolver.bind_law import goes_beyond, memory_signs
 from demsolver.scene import Cylinder, Enforce2D, Freeze, Gravity, Plane, Scene, SetForce, Slab, Viscous, Wall
-from demsolver.state import Floats
+from demsolver.state import Floats, selected
 
 HERE = Path(__file__).parent
 
@@ -129,17 +129,21 @@ def _wall_force_source(k: int, wall: Wall) -> str:
     return copy.replace("BASE", str(len(memory_signs(wall.law)))) + "\n\n"
 
 
-def walls_source(walls: tuple[Wall, ...]) -> str:
-    """Sources of `wall_forces` and `wall_stored`: every wall in turn."""
+def wall_arrays(k: int) -> str:
+    """Source of the arrays of wall k: all walls come as one flat tuple, which threads can be given."""
+    return ", ".join(f"walls[{5 * k + m}]" for m in range(5))
+
+
+def walls_source(scene: Scene) -> str:
+    """Sources of `wall_forces` and `wall_stored`: every wall in turn, on one particle."""
+    walls = scene.walls
     forces, stored = [], []
     for k, wall in enumerate(walls):
         gap = f"wall{k}_reach(b.radius[i], coefficients, b.kind[i]) if touching[i] else 0.0" if goes_beyond(wall.law) else "0.0"
         overlap = "b.radius[i] - way" if goes_beyond(wall.law) else "max(b.radius[i] - way, TINY)"
         head = f"""
-    geometry, bit, coefficients, memory, touching = walls[{k}]
-    for i in range(b.x.shape[0]):
-        if not (b.mask[i] >> bit) & 1:
-            continue
+    geometry, bit, coefficients, memory, touching = {wall_arrays(k)}
+    if {member(scene, wall.bit, "bit")}:
         gap = {gap}
 {_geometry_source(wall)}
         overlap = {overlap}"""
@@ -162,7 +166,7 @@ def walls_source(walls: tuple[Wall, ...]) -> str:
             rolling += er
 """)
     copies = "".join(_wall_force_source(k, wall) for k, wall in enumerate(walls))
-    moves = [f"    move_plane(walls[{k}][0], dt)" for k, wall in enumerate(walls) if isinstance(wall.shape, Plane) and wall.shape.moving]
+    moves = [f"    move_plane(walls[{5 * k}], dt)" for k, wall in enumerate(walls) if isinstance(wall.shape, Plane) and wall.shape.moving]
     return f"""
 {copies}
 {MOVE if moves else ""}
@@ -170,13 +174,13 @@ def walls_source(walls: tuple[Wall, ...]) -> str:
 def move_walls(walls, dt):
 {chr(10).join(moves) or "    pass"}
 
-@compiled
-def wall_forces(b, walls, dt, advance, tally):
+@inlined
+def wall_forces(i, b, walls, dt, advance, tally):
     pass
 {"".join(forces)}
 
 @compiled
-def wall_stored(b, walls, dt):
+def wall_stored(i, b, walls, dt):
     normal = tangential = rolling = 0.0
 {"".join(stored)}
     return normal, tangential, rolling
@@ -188,7 +192,7 @@ def wall_sweep_source(walls: tuple[Wall, ...]) -> str:
     parts = []
     for k, wall in enumerate(walls):
         parts.append(f"""
-    geometry, bit, coefficients, memory, touching = walls[{k}]
+    geometry, bit, coefficients, memory, touching = {wall_arrays(k)}
     for i in range(b.x.shape[0]):
         if not (b.mask[i] >> bit) & 1:
             continue
@@ -240,23 +244,28 @@ def steady_source(scene: Scene) -> str:
     return f"\n@compiled\ndef steady_forces(b, fields):\n    b.aside[:] = 0.0\n{loop}\n"
 
 
-def fields_source(scene: Scene, implicit: bool) -> str:
-    """Source of `field_forces`: the fields of the scene in their order, in one loop over the particles."""
+def fields_source(scene: Scene, *, implicit: bool, rotates: bool) -> str:
+    """Source of `field_forces`: the fields of the scene in their order, on one particle."""
     lines, drags = [], 0
     sums = ("force", "aside") if implicit else ("force",)
     for k, field in enumerate(scene.forces):
-        lines.append(f"        if (b.mask[i] >> bits[{k}]) & 1:")
+        lines.append(f"    if {member(scene, field.bit, f'bits[{k}]')}:")
         if isinstance(field, Gravity):
-            lines += [f"            b.{array}[i, {c}] += b.mass[i] * numbers[{k}, {c}]" for array in sums for c in range(3)]
+            lines += [f"        b.{array}[i, {c}] += b.mass[i] * numbers[{k}, {c}]" for array in sums for c in range(3)]
         elif isinstance(field, Viscous):
-            lines.append(f"            drag(i, gammas[{drags}, b.kind[i]], b, drag_memory[{drags}], dt, advance, tally)")
+            lines.append(f"        drag(i, gammas[{drags}, b.kind[i]], b, drag_memory[{drags}], dt, advance, tally)")
             drags += 1
         elif isinstance(field, SetForce):
-            lines += [f"            b.force[i, {c}] = numbers[{k}, {c}]" for c in range(3) if field.force[c] is not None] or ["            pass"]
+            lines += [f"        b.force[i, {c}] = numbers[{k}, {c}]" for c in range(3) if field.force[c] is not None] or ["        pass"]
         elif isinstance(field, Freeze):
-            lines += [f"            b.{array}[i] = 0.0" for array in (*sums, "torque")]
+            lines += [f"        b.{array}[i, {c}] = 0.0" for array in (*sums, *(["torque"] if rotates else [])) for c in range(3)]
         elif isinstance(field, Enforce2D):
             names = ("b.v[i, 2]", "b.force[i, 2]", "b.omega[i, 0]", "b.omega[i, 1]", "b.torque[i, 0]", "b.torque[i, 1]")
-            lines += [f"            {name} = 0.0" for name in names]
-    loop = "    numbers, bits, gammas, drag_memory = fields\n    for i in range(b.x.shape[0]):\n" + "\n".join(lines) if lines else "    pass"
-    return f"\n@compiled\ndef field_forces(b, fields, dt, advance, tally):\n{loop}\n"
+            lines += [f"        {name} = 0.0" for name in names]
+    loop = "    numbers, bits, gammas, drag_memory = fields\n" + "\n".join(lines) if lines else "    pass"
+    return f"\n@inlined\ndef field_forces(i, b, fields, dt, advance, tally):\n{loop}\n"
+
+
+def member(scene: Scene, bit: int, name: str) -> str:
+    """Source of the question whether particle i is in a group; of a group of all no question."""
+    return "True" if selected(scene.particles.mask, bit).all() else f"(b.mask[i] >> {name}) & 1"

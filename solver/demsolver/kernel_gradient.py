@@ -26,14 +26,14 @@ def pair_sweep(b, p, shifts, coefficients, ntypes, dt, inverse_mass, path, pull,
     largest = 0.0
     for i in range(b.x.shape[0]):
         for k in range(p.first[i], p.first[i + 1]):
-            j = p.partner[k]
+            j = np.int64(p.partner[k])
             if PERIODIC:
-                t = p.shift[k]
-                if t != HOME and (i > j or (i == j and t > HOME)):
-                    continue  # the other half of a pair across a face: solved once, in one row
+                t = np.int64(p.code[k])
+                if t >= PARTNER_FEELS or (i == j and t > HOME):
+                    continue  # the other half of a pair across a face: solved once
             dx, dy, dz = b.x[i, 0] - b.x[j, 0], b.x[i, 1] - b.x[j, 1], b.x[i, 2] - b.x[j, 2]
             if PERIODIC:
-                dx, dy, dz = dx - shifts[p.shift[k], 0], dy - shifts[p.shift[k], 1], dz - shifts[p.shift[k], 2]
+                dx, dy, dz = dx - shifts[t, 0], dy - shifts[t, 1], dz - shifts[t, 2]
             reach = b.radius[i] + b.radius[j]
             before = sqrt(dx * dx + dy * dy + dz * dz)
             if before > reach + margin:
@@ -44,7 +44,7 @@ def pair_sweep(b, p, shifts, coefficients, ntypes, dt, inverse_mass, path, pull,
             nx, ny, nz = (2.0 * dx + gx) / both, (2.0 * dy + gy) / both, (2.0 * dz + gz) / both
             gain = 0.5 * dt * dt * (inverse_mass[i] + inverse_mass[j])
             approach = -(nx * (gx - gain * pull[k, 0]) + ny * (gy - gain * pull[k, 1]) + nz * (gz - gain * pull[k, 2]))
-            row = b.kind[i] * ntypes + b.kind[j]
+            row = 0 if ONE_LAW else b.kind[i] * ntypes + b.kind[j]
             mean = pair_solve(reach - before, approach, gain * (nx * nx + ny * ny + nz * nz), coefficients, row)
             cx, cy, cz = mean * nx - pull[k, 0], mean * ny - pull[k, 1], mean * nz - pull[k, 2]
             if cx != 0.0 or cy != 0.0 or cz != 0.0:
@@ -83,7 +83,7 @@ def solve_step(b, p, shifts, coefficients, ntypes, walls, dt, inverse_mass, path
     for i in range(n):
         straight = 0.0
         for c in range(3):
-            path[i, c] = b.drift[i] * b.v[i, c] + 0.5 * dt * dt * inverse_mass[i] * b.aside[i, c]
+            path[i, c] = (dt if b.moving[i] else 0.0) * b.v[i, c] + 0.5 * dt * dt * inverse_mass[i] * b.aside[i, c]
             straight += path[i, c] ** 2
         farthest = max(farthest, straight)
     margin = 4.0 * sqrt(farthest)
@@ -106,25 +106,45 @@ def solve_step(b, p, shifts, coefficients, ntypes, walls, dt, inverse_mass, path
     return False
 
 
+@compiled
+def forces(b, movers, p, near, shifts, equal, coefficients, ntypes, walls, fields, dt, advance, tallies, paces):
+    """Forces and torques at the present positions; what the step solves anew also in b.aside."""
+    clear(NONE, b.x.shape[0], b)
+    if PAIRS:
+        list_near(b, movers, p, near, shifts, equal, 0.0, 0.0)
+    sweep(FORCES, b, movers, p, near, shifts, equal, coefficients, ntypes, walls, fields, dt, advance, tallies, paces)
+
+
+@compiled
+def kick_all(b, movers):
+    """Half a step of all that is not solved anew."""
+    for i in range(movers):
+        m = 0 if UNIFORM else i
+        for c in range(3):
+            b.v[i, c] += b.kick[m, c] * (b.force[i, c] - b.aside[i, c])
+            if ROTATES:
+                b.omega[i, c] += b.spin[m, c] * b.torque[i, c]
+
+
 @entry
-def run_steps(start, steps, age, rhythm, b, p, shifts, coefficients, ntypes, walls, fields, dt, parts, tallies):
+def run_steps(start, steps, age, rhythm, b, movers, p, near, shifts, equal, coefficients, ntypes, walls, fields, dt, tallies, paces):
     """As kernel.run_steps. Instead of the steps done -1: a step leaves the list even though that is new; -2: the sweeps did not agree."""
     reach = rhythm[3]
     n = b.x.shape[0]
     done = 0
     path, mean = np.zeros((n, 3)), np.zeros((n, 3))
-    pull, wall_pull = np.zeros((len(p.partner), 3)), np.zeros((len(walls), n, 3))
+    pull, wall_pull = np.zeros((len(p.partner), 3)), np.zeros((len(walls) // 5, n, 3))
     inverse_mass = np.zeros(n)
     for i in range(n):
-        inverse_mass[i] = 0.0 if b.frozen[i] else 2.0 * b.kick[i] / dt
+        inverse_mass[i] = 0.0 if b.frozen[i] or i >= movers else 2.0 * b.kick[0 if UNIFORM else i, 0] / dt
     if start == 2:
-        forces(b, p, shifts, coefficients, ntypes, walls, fields, dt, False, parts, tallies)
+        forces(b, movers, p, near, shifts, equal, coefficients, ntypes, walls, fields, dt, False, tallies, paces)
         return done, age, False
     while True:
         if start == 0:
             if done == steps:
                 return done, age, False
-            kick(b)
+            kick_all(b, movers)
         start = 0
         steady_forces(b, fields)
         if not solve_step(b, p, shifts, coefficients, ntypes, walls, dt, inverse_mass, path, pull, wall_pull):
@@ -149,9 +169,9 @@ def run_steps(start, steps, age, rhythm, b, p, shifts, coefficients, ntypes, wal
                 b.v[i, c] = mean[i, c]
         if MOVING:
             move_walls(walls, dt)
-        forces(b, p, shifts, coefficients, ntypes, walls, fields, dt, True, parts, tallies)
+        forces(b, movers, p, near, shifts, equal, coefficients, ntypes, walls, fields, dt, True, tallies, paces)
         for i in range(n):
             for c in range(3):
                 b.v[i, c] = path[i, c]
-        kick(b)
+        kick_all(b, movers)
         done += 1

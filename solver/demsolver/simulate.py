@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from typing import Any, Literal
 
 import numpy as np
 
@@ -10,11 +11,19 @@ from demsolver import contact, neighbors
 from demsolver.bind_law import coefficient_table, memory_signs
 from demsolver.bind_walls import PLACE, wall_geometry
 from demsolver.check import check_scene
+from demsolver.energy_budget import EnergyBudget
+from demsolver.listed import Listed, listed, without
+from demsolver.near import near_of
+from demsolver.neighbor_grid import bounds_of
 from demsolver.scene import Box, Gravity, Particles, Plane, Scene, SetForce, Viscous, Wall
-from demsolver.specialise import BUDGET_COLUMNS, implicit, shifting, specialise
+from demsolver.specialise import BUDGET_COLUMNS, CHUNK, features, specialise
 from demsolver.state import Bodies, Floats, Ints, Pairs, bodies_of, inertia_of, selected
 
 _SAID = {"x": "positions", "v": "velocities", "omega": "spins", "force": "forces", "torque": "torques"}
+SORT_FROM = CHUNK
+"""Fewer particles than this fit a core's cache in any order."""
+SORT_EVERY = 8
+"""Lists between two sortings: neighbours drift apart slowly."""
 BEGIN, MIDDLE, SETUP = 0, 1, 2  # where kernel.run_steps starts
 NOT_SOLVED = -2  # what an implicit step may answer; else -1: out of the list
 
@@ -27,77 +36,70 @@ class Unstable(RuntimeError):
     """A position, velocity or force became infinite or NaN."""
 
 
-@dataclass(frozen=True)
-class EnergyBudget:
-    """Where the energy is, in units of the deck. Work taken out is positive.
-
-    kinetic, rotational: of all particles. elastic_normal (cohesion included), elastic_tangential, elastic_rolling: in the contacts.
-    gravitational: -sum m g.x, of unwrapped positions, relative to the origin. damped, rubbed, rolled, dragged: taken since the start by normal
-    damping, by the tangential forces (their damping and their slip), by rolling and twisting torques, and by viscous drag, all of motion
-    against the surface that is touched. driven: given by walls that move. `total`, held plus taken less given, is what must stay put.
-    """
-
-    kinetic: float
-    rotational: float
-    elastic_normal: float
-    elastic_tangential: float
-    elastic_rolling: float
-    gravitational: float
-    damped: float
-    rubbed: float
-    rolled: float
-    dragged: float
-    driven: float
-
-    @property
-    def elastic(self) -> float:
-        """What the contacts store."""
-        return self.elastic_normal + self.elastic_tangential + self.elastic_rolling
-
-    @property
-    def mechanical(self) -> float:
-        """What the scene holds now."""
-        return self.kinetic + self.rotational + self.elastic + self.gravitational
-
-    @property
-    def total(self) -> float:
-        """What it holds plus what it lost, less what it was given."""
-        return self.mechanical + self.damped + self.rubbed + self.rolled + self.dragged - self.driven
+Precision = Literal["double", "mixed"]
 
 
 class Simulation:
     """A scene in motion.
 
     `setup()` computes the forces of the current state with full-step velocities and leaves histories alone, as the engines do at
-    every `run`; `advance(n)` runs n steps. Scenes with step laws or implicit laws run on one thread. `budget=True` also keeps the
-    account of dissipated energy, `virial=True` the virial of the pairs.
+    every `run`; `advance(n)` runs n steps. Results are the same bits for any number of threads; scenes with step laws or implicit laws run on
+    one. `budget=True` also keeps the account of dissipated energy, `virial=True` the virial of the pairs. precision "mixed" takes the vector
+    between two particles, their velocities against each other and the force between them as float32; positions, velocities, sums and memories
+    stay float64.
+
+    Inside, particles stand in rows of their own order, sorted in space. Outside they stand in the scene's: `bodies`, `pairs`, `image` and
+    `particles()` are copies, made when asked for. id: (n,), of the particles that are left.
     """
 
-    def __init__(self, scene: Scene, *, threads: int = 1, budget: bool = False, virial: bool = False) -> None:
+    def __init__(
+        self, scene: Scene, *, threads: int = 1, budget: bool = False, virial: bool = False, precision: Precision = "double"
+    ) -> None:
         check_scene(scene)
         self.scene = scene
         self.step = 0
         self.box_lo, self.box_hi = np.array(scene.box.lo, dtype=float), np.array(scene.box.hi, dtype=float)
-        self.image: Ints = np.array(scene.particles.image, dtype=np.int64)
         self.id: Ints = np.array(scene.particles.id, dtype=np.int64)
-        self._budget = budget
         self.virial = virial
-        aside = shifting(scene) or implicit(scene)
-        threads = 1 if aside else threads  # what is set aside is summed in one array
-        self._threads = threads
-        self._kernel = specialise(scene, threads, budget=budget, virial=virial)
-        self._extra = BUDGET_COLUMNS if budget else 0
+        self._budget, self._precision = budget, precision
+        self._has = features(scene, threads, budget=budget, virial=virial)
+        self._threads = threads if self._has.THREADED else 1
+        self._kernel = specialise(scene, self._has)
         self._signs = memory_signs(scene.pair)
-        self._columns = len(self._signs) + self._extra
-        self.bodies: Bodies = bodies_of(scene, aside=aside)
-        self.pairs: Pairs = neighbors.empty_pairs(len(self.id), self._columns)
+        self._extra = BUDGET_COLUMNS if budget else 0
+        self._order: Ints = np.arange(len(self.id))
+        self._image: Ints = np.array(scene.particles.image, dtype=np.int64)
+        aside = self._has.SHIFTING or self._has.IMPLICIT
+        self._bodies: Bodies = bodies_of(scene, aside=aside, rotates=self._has.ROTATES, uniform=self._has.UNIFORM)
+        self._still: Floats = np.array(scene.particles.omega, dtype=float)
         self._walls = tuple(self._wall_arrays(wall) for wall in scene.walls)
         self._fields = self._field_arrays()
-        self._coefficients = coefficient_table(scene.pair) if scene.pair else np.zeros((1, 1))
-        self._parts = np.zeros((threads, 2, len(self.id) if threads > 1 else 0, 3))
-        self._tallies = np.zeros((threads, 6))
-        self._age = 0
+        self._coefficients = self._pair_coefficients()
+        self._equal = (float(scene.particles.radius[0]), float(scene.particles.mass[0])) if self._has.UNIFORM else (0.0, 0.0)
+        self._tallies = np.zeros((0, 6))
+        self._movers = int(self._bodies.moving.sum())
+        self._sort(_movers_first(self._bodies, np.arange(len(self.id))))
+        self._allot(neighbors.empty_pairs(len(self.id), len(self._signs) + self._extra))
+        self._age = self._lists = 0
         self._margin = 1e-4 * (self.box_hi - self.box_lo) if scene.box.margin is None else scene.box.margin
+
+    @property
+    def bodies(self) -> Bodies:
+        """The arrays of the particles in the scene's order, as they are now: copies."""
+        outside = Bodies(*(_outside(array, self._order) for array in self._bodies))
+        if self._has.ROTATES:
+            return outside
+        return outside._replace(omega=self._still.copy(), torque=np.zeros_like(outside.force))
+
+    @property
+    def pairs(self) -> Listed:
+        """The neighbour list in the scene's numbers: a copy."""
+        return listed(self._pairs, self._order)
+
+    @property
+    def image(self) -> Ints:
+        """(n, 3) periodic wraps, in the scene's order."""
+        return _outside(self._image, self._order)
 
     def setup(self) -> None:
         """Wraps, rebuilds the list, and computes forces with the velocities as they are, without growing any history."""
@@ -119,18 +121,17 @@ class Simulation:
         if not self._budget:
             message = "the energy budget was not kept: make the Simulation with budget=True"
             raise ValueError(message)
-        b = self.bodies
         normal, tangential, rolling = self._kernel.stored(
-            b, self.pairs, self._shifts(), self._coefficients, self.scene.ntypes, self._walls, self.scene.timestep
+            self._bodies, self._pairs, self._shifts(), self._coefficients, self.scene.ntypes, self._flat_walls(), self.scene.timestep
         )
-        spent = -self._tallies.sum(axis=0)
+        b, spent = self.bodies, -self._tallies.sum(axis=0)
         return EnergyBudget(
             kinetic=0.5 * float(np.sum(b.mass * np.sum(b.v**2, axis=1))),
             rotational=0.5 * float(np.sum(inertia_of(self._now()) * np.sum(b.omega**2, axis=1))),
             elastic_normal=normal,
             elastic_tangential=tangential,
             elastic_rolling=rolling,
-            gravitational=self._gravitational(),
+            gravitational=self._gravitational(b),
             damped=float(spent[0]),
             rubbed=float(spent[1]) - tangential,
             rolled=float(spent[4]) - rolling,
@@ -152,8 +153,8 @@ class Simulation:
         """The particles as they are now."""
         b = self.bodies
         return Particles(
-            id=self.id.copy(), type=b.kind + 1, x=b.x.copy(), v=b.v.copy(), omega=b.omega.copy(), radius=b.radius.copy(),
-            mass=b.mass.copy(), mask=b.mask.copy(), image=self.image.copy(),
+            id=self.id.copy(), type=b.kind + 1, x=b.x, v=b.v, omega=b.omega, radius=b.radius,
+            mass=b.mass, mask=b.mask, image=self.image,
         )  # fmt: skip
 
     def box(self) -> Box:
@@ -165,10 +166,13 @@ class Simulation:
         particles touch under a law of the same name, and a plane whose words are the same goes on from where it is. virial: None to leave
         it as it is."""
         virial = self.virial if virial is None else virial
-        other = Simulation(scene, threads=self._threads, budget=self._budget, virial=virial)
+        other = Simulation(scene, threads=self._threads, budget=self._budget, virial=virial, precision=self._precision)
         other.step = self.step
-        if len(other.id) == len(self.id) and np.array_equal(other.id, self.id) and _same_law(scene, self.scene):
-            other.pairs = self.pairs
+        if not np.array_equal(other.id, self.id):
+            return other
+        other._sort(np.argsort(other._order)[self._order])
+        if _same_law(scene, self.scene):
+            other._allot(self._pairs)
             other._tallies[0] = self._tallies.sum(axis=0)
         kept = {wall.name: (wall, arrays) for wall, arrays in zip(self.scene.walls, self._walls, strict=True)}
         for wall, (geometry, _, _, memory, touching) in zip(scene.walls, other._walls, strict=True):
@@ -185,14 +189,19 @@ class Simulation:
         n = self.scene.neighbor
         return n.every, n.delay, n.check, (0.5 * n.skin) ** 2
 
+    def _flat_walls(self) -> tuple[Any, ...]:
+        return tuple(array for wall in self._walls for array in wall)
+
     def _shifts(self) -> Floats:
         shifts: Floats = neighbors.SHIFTS * (self.box_hi - self.box_lo)
         return shifts
 
     def _run(self, start: int, steps: int) -> tuple[int, bool]:
+        if self._threads > 1:
+            _use_threads(self._threads)
         done, self._age, due = self._kernel.run_steps(
-            start, steps, self._age, self._rhythm(), self.bodies, self.pairs, self._shifts(), self._coefficients, self.scene.ntypes,
-            self._walls, self._fields, self.scene.timestep, self._parts, self._tallies,
+            start, steps, self._age, self._rhythm(), self._bodies, self._movers, self._pairs, self._near, self._shifts(), self._equal,
+            self._coefficients, self.scene.ntypes, self._flat_walls(), self._fields, self.scene.timestep, self._tallies, self._paces,
         )  # fmt: skip
         if done < 0:
             raise Unstable(self._refused(done))
@@ -210,40 +219,94 @@ class Simulation:
     def _relist(self) -> None:
         """What the engines do when the list is due: wrap, shrink the box, drop the lost, list the pairs, carry their memory."""
         self._check_finite("x")
-        wraps = neighbors.wrap(self.bodies.x, self.box_lo, self.box_hi, self.scene.box.periodic)
-        self.image += wraps
+        self._check_flight()
+        b = self._bodies
+        wraps = neighbors.wrap(b.x, self.box_lo, self.box_hi, self.scene.box.periodic)
+        self._image += wraps
         self._shrink()
-        self._check_lost()
-        self.bodies.held[:] = self.bodies.x
+        wraps = wraps[self._check_lost()]
         self._age = 0
-        if self.scene.pair:
-            old, self.pairs = self.pairs, neighbors.build(self.scene, self.bodies, self.box_lo, self.box_hi, self._columns)
-            neighbors.carry(old, self.pairs, wraps, self.scene.history_outlives_contact, self._signs, self.bodies, self._shifts())
+        if self._has.PAIRS:
+            place = self._resort()
+            old, b = self._pairs, self._bodies
+            keep_frozen = self._budget or self.virial
+            new = neighbors.build(self.scene, b, self.box_lo, self.box_hi, old.memory.shape[1], frozen_pairs=keep_frozen)
+            neighbors.carry(old, new, wraps, self.scene.history_outlives_contact, self._signs, b, self._shifts(), place)
+            self._allot(new)
+        self._bodies.held[:] = self._bodies.x
+
+    def _resort(self) -> Ints:
+        """Every so many lists, sorts the rows in space. Returns (n,) where each row stands now."""
+        n = len(self.id)
+        self._lists += 1
+        if n <= SORT_FROM or self._lists % SORT_EVERY != 1:
+            return np.arange(n)
+        b = self._bodies
+        rows = _movers_first(b, neighbors.morton_order(b.x, bounds_of(b.x)[0], 2.0 * float(b.radius.max())))
+        self._sort(rows)
+        place = np.empty(n, dtype=np.int64)
+        place[rows] = np.arange(n)
+        return place
+
+    def _sort(self, rows: Ints) -> None:
+        """Row k becomes what row rows[k] was."""
+        n = len(self.id)
+        self._bodies = Bodies(*(array[rows] if len(array) == n else array for array in self._bodies))  # type: ignore[arg-type]
+        self._image, self._order = self._image[rows], self._order[rows]
+        self._walls = tuple((g, bit, c, memory[rows], touching[rows]) for g, bit, c, memory, touching in self._walls)
+        numbers, bits, gammas, drag = self._fields
+        self._fields = (numbers, bits, gammas, np.ascontiguousarray(drag[:, rows]))
+
+    def _allot(self, pairs: Pairs) -> None:
+        """The arrays that go with a list of pairs."""
+        self._pairs = pairs
+        self._near = near_of(
+            pairs, self._bodies.radius, self._has.CHUNK, self._threads,
+            turns=self._has.FRICTION or self._has.ROLLING, mixed=self._precision == "mixed",
+        )  # fmt: skip
+        chunks = len(self._near.chunks)
+        if len(self._tallies) != chunks:
+            spent = self._tallies.sum(axis=0)
+            self._tallies, self._paces = np.zeros((chunks, 6)), np.zeros(chunks)
+            self._tallies[0] = spent
 
     def _check_finite(self, *names: str) -> None:
         """Raises Unstable; looks at everything that moves, or only at `names`."""
         for name in names or ("x", "v", "omega", "force", "torque"):
-            if not np.isfinite(getattr(self.bodies, name)).all():
+            if not np.isfinite(getattr(self._bodies, name)).all():
                 message = (
                     f"{_SAID[name]} became infinite by step {self.step}: the timestep {self.scene.timestep:g} is too long, "
                     "or particles overlap too far"
                 )
                 raise Unstable(message)
 
+    def _check_flight(self) -> None:
+        """Raises Unstable where a particle flew farther than through one face of the periodic box since the last list: nobody knows where it is."""
+        low, high = bounds_of(self._bodies.x)
+        length = np.where(self.scene.box.periodic, self.box_hi - self.box_lo, np.inf)
+        if self.step > 0 and ((low < self.box_lo - length) | (high >= self.box_hi + length)).any():
+            message = (
+                f"a particle flew through the whole periodic box by step {self.step}: the timestep {self.scene.timestep:g} is too long, "
+                "or particles overlap too far"
+            )
+            raise Unstable(message)
+
     def _shrink(self) -> None:
-        x = self.bodies.x
+        """Fits faces that follow the particles."""
+        if not len(self._bodies.x) or not any(letter in "sm" for faces in self.scene.box.boundary for letter in faces):
+            return
+        lows, highs = bounds_of(self._bodies.x)
         for axis, faces in enumerate(self.scene.box.boundary):
-            if not len(x):
-                return
-            low, high = float(x[:, axis].min()) - self._margin[axis], float(x[:, axis].max()) + self._margin[axis]
+            low, high = float(lows[axis]) - self._margin[axis], float(highs[axis]) + self._margin[axis]
             first, second = faces[0], faces[1]
             if first in "sm":
                 self.box_lo[axis] = low if first == "s" else min(low, self.scene.box.lo[axis])
             if second in "sm":
                 self.box_hi[axis] = high if second == "s" else max(high, self.scene.box.hi[axis])
 
-    def _check_lost(self) -> None:
-        x = self.bodies.x
+    def _check_lost(self) -> np.ndarray:
+        """Drops what left through a fixed face, or raises LostParticles. Returns (n,) which of the rows stayed."""
+        x = self._bodies.x
         gone = np.zeros(len(x), dtype=bool)
         for axis, faces in enumerate(self.scene.box.boundary):
             if faces[0] == "f":
@@ -252,24 +315,30 @@ class Simulation:
                 gone |= x[:, axis] >= self.box_hi[axis]
         if gone.any():
             if self.scene.lost == "error":
-                message = f"{int(gone.sum())} particles left the box by step {self.step}, the first with id {int(self.id[gone].min())}"
+                first = int(self.id[self._order[gone]].min())
+                message = f"{int(gone.sum())} particles left the box by step {self.step}, the first with id {first}"
                 raise LostParticles(message)
-            self._delete(gone)
+            self._delete(~gone)
+        return ~gone
 
-    def _delete(self, gone: np.ndarray) -> None:
-        keep = ~gone
-        self.bodies = Bodies(*(np.ascontiguousarray(array[keep] if len(array) else array) for array in self.bodies))
-        self.id, self.image = self.id[keep], self.image[keep]
-        self._walls = tuple((g, bit, c, memory[keep], touching[keep]) for g, bit, c, memory, touching in self._walls)
-        numbers, bits, gammas, drag = self._fields
-        self._fields = (numbers, bits, gammas, np.ascontiguousarray(drag[:, keep]))
-        if self._threads > 1:
-            self._parts = np.zeros((self._threads, 2, len(self.id), 3))
-        self.pairs = _without(self.pairs, keep)
+    def _delete(self, keep: np.ndarray) -> None:
+        stays = np.zeros(len(self.id), dtype=bool)
+        stays[self._order[keep]] = True
+        pairs = without(self._pairs, keep)
+        self._sort(np.flatnonzero(keep))
+        self.id, self._still = self.id[stays], self._still[stays]
+        self._order = (np.cumsum(stays) - 1)[self._order]
+        self._movers = int(self._bodies.moving.sum())
+        self._allot(pairs)
 
     def _wall_arrays(self, wall: Wall) -> tuple[Floats, int, Floats, Floats, np.ndarray]:
         n, columns = len(self.id), len(memory_signs(wall.law)) + self._extra
         return wall_geometry(wall), wall.bit, coefficient_table(wall.law), np.zeros((n, columns)), np.zeros(n, dtype=np.uint8)
+
+    def _pair_coefficients(self) -> Floats | tuple[float, ...]:
+        """The table of the pair law; of one law for all types its row."""
+        table = coefficient_table(self.scene.pair) if self.scene.pair else np.zeros((1, 1))
+        return tuple(table[0].tolist()) if self._has.ONE_LAW else table
 
     def _field_arrays(self) -> tuple[Floats, Ints, Floats, Floats]:
         forces = self.scene.forces
@@ -281,13 +350,11 @@ class Simulation:
             np.zeros((len(drags), len(self.id), 3)),
         )
 
-    def _gravitational(self) -> float:
-        b = self.bodies
+    def _gravitational(self, b: Bodies) -> float:
         unwrapped = b.x + self.image * (self.box_hi - self.box_lo)
         fields = [f for f in self.scene.forces if isinstance(f, Gravity)]
-        moving = b.drift > 0.0
         return -sum(
-            float(np.sum((b.mass * (unwrapped @ np.array(f.acceleration)))[selected(b.mask, f.bit) & moving & ~b.frozen])) for f in fields
+            float(np.sum((b.mass * (unwrapped @ np.array(f.acceleration)))[selected(b.mask, f.bit) & b.moving & ~b.frozen])) for f in fields
         )
 
 
@@ -307,11 +374,21 @@ def _same_law(a: Scene, b: Scene) -> bool:
     return all(getattr(a.pair, family) == getattr(b.pair, family) for family in contact.REMEMBERING)
 
 
-def _without(pairs: Pairs, keep: np.ndarray) -> Pairs:
-    """The list without the particles that are gone, rows renumbered."""
-    number = np.cumsum(keep) - 1
-    row = np.repeat(np.arange(len(keep)), np.diff(pairs.first))
-    kept = keep[row] & keep[pairs.partner]
-    counts = np.bincount(row[kept], minlength=len(keep))[keep]
-    first = np.concatenate([[0], np.cumsum(counts)]).astype(np.int64)
-    return Pairs(first, number[pairs.partner[kept]], pairs.shift[kept], pairs.touching[kept], np.ascontiguousarray(pairs.memory[kept]))
+def _outside(array: np.ndarray, order: Ints) -> np.ndarray:
+    """A copy of an array of rows in the scene's order; of one that is not of rows as it is."""
+    if len(array) != len(order):
+        return array.copy()
+    found = np.empty_like(array)
+    found[order] = array
+    return found
+
+
+def _movers_first(b: Bodies, rows: Ints) -> Ints:
+    """`rows` with those of particles that move before the others."""
+    return np.concatenate([rows[b.moving[rows]], rows[~b.moving[rows]]])
+
+
+def _use_threads(threads: int) -> None:
+    import numba
+
+    numba.set_num_threads(min(threads, numba.config.NUMBA_NUM_THREADS))  # type: ignore[attr-defined]

@@ -11,18 +11,34 @@ import hashlib
 import importlib.util
 import inspect
 import os
+import re
 import sys
 import tempfile
+from dataclasses import asdict, dataclass
 from functools import cache
 from pathlib import Path
 from types import ModuleType
 
-from demsolver.bind_law import SIGNATURE, STORED, contact_source, goes_beyond, is_implicit, is_step_law, law_functions, law_imports, memory_signs
+from demsolver.bind_law import (
+    SIGNATURE,
+    STORED,
+    coefficient_table,
+    contact_source,
+    goes_beyond,
+    is_implicit,
+    is_step_law,
+    law_functions,
+    law_imports,
+    memory_signs,
+)  # fmt: skip
 from demsolver.bind_walls import fields_source, steady_source, wall_sweep_source, walls_source
-from demsolver.neighbors import HOME
-from demsolver.scene import ContactLaw, EulerSphere, Freeze, Plane, Scene, SetForce
+from demsolver.near import BLOCK
+from demsolver.neighbors import HOME, PARTNER_FEELS
+from demsolver.scene import ContactLaw, Enforce2D, EulerSphere, Freeze, Plane, Scene, SetForce
 
 HERE = Path(__file__).parent
+CHUNK = 1024
+"""Rows that are done in one go, and by one thread: enough to be worth it, few enough to stay in a core's cache. Part of what a result depends on."""
 BUDGET_COLUMNS = 19  # of a contact's memory, behind those of its law
 
 
@@ -58,35 +74,83 @@ def implicit(scene: Scene) -> bool:
     return True
 
 
-def constants(scene: Scene, budget: bool, virial: bool) -> dict[str, bool | int]:
-    """What the scene has; the compiled loop drops what is False. Raises ValueError for two integrators in one scene."""
+@dataclass(frozen=True)
+class Features:
+    """What a scene has, as the constants of the loop (see kernel.py); what is False, of the last two what is True, costs nothing."""
+
+    PAIRS: bool
+    FRICTION: bool
+    ROLLING: bool
+    ROTATES: bool
+    BEYOND: bool
+    BASE: int
+    OUTLIVES: bool
+    BUDGET: bool
+    VIRIAL: bool
+    PERIODIC: bool
+    FROZEN: bool
+    SURFACE_CONTACT: bool
+    TORQUE_CONTACT: bool
+    SHIFTING: bool
+    IMPLICIT: bool
+    MOVING: bool
+    VERLET: bool
+    THREADED: bool
+    CHUNK: int
+    UNIFORM: bool
+    ONE_LAW: bool
+    SAME_TORQUE: bool
+
+
+def features(scene: Scene, threads: int = 1, *, budget: bool = False, virial: bool = False) -> Features:
+    """What the loop of this scene needs. Raises ValueError for two integrators in one scene."""
     pair = scene.pair if meets(scene) else None
     schemes = {type(integrator) for integrator in scene.integrate}
     if len(schemes) > 1:
         message = f"one scene has one integrator, not {' and '.join(sorted(scheme.__name__ for scheme in schemes))}"
         raise ValueError(message)
-    return {
-        "PAIRS": pair is not None,
-        "FRICTION": pair is not None and pair.friction != "none",
-        "ROLLING": pair is not None and (pair.rolling, pair.twisting) != ("none", "none"),
-        "BEYOND": pair is not None and goes_beyond(pair),
-        "BASE": len(memory_signs(pair)),
-        "OUTLIVES": scene.history_outlives_contact,
-        "BUDGET": budget,
-        "VIRIAL": virial,
-        "PERIODIC": any(scene.box.periodic),
-        "FROZEN": any(isinstance(f, Freeze) for f in scene.forces),
-        "SURFACE_CONTACT": pair is not None and pair.surface_arm == "contact",
-        "TORQUE_CONTACT": pair is not None and pair.torque_arm == "contact",
-        "SHIFTING": shifting(scene),
-        "IMPLICIT": implicit(scene),
-        "MOVING": any(isinstance(wall.shape, Plane) and wall.shape.moving for wall in scene.walls),
-        "VERLET": schemes != {EulerSphere},
-    }
+    rubs = any(law.friction != "none" or turns(law) for law in laws_of(scene))
+    aside = shifting(scene) or implicit(scene)
+    return Features(
+        PAIRS=pair is not None,
+        FRICTION=pair is not None and pair.friction != "none",
+        ROLLING=pair is not None and turns(pair),
+        ROTATES=budget or rubs or any(isinstance(f, Enforce2D) for f in scene.forces),
+        BEYOND=pair is not None and goes_beyond(pair),
+        BASE=len(memory_signs(pair)),
+        OUTLIVES=scene.history_outlives_contact,
+        BUDGET=budget,
+        VIRIAL=virial,
+        PERIODIC=any(scene.box.periodic),
+        FROZEN=any(isinstance(f, Freeze) for f in scene.forces),
+        SURFACE_CONTACT=pair is not None and pair.surface_arm == "contact",
+        TORQUE_CONTACT=pair is not None and pair.torque_arm == "contact",
+        SHIFTING=shifting(scene),
+        IMPLICIT=implicit(scene),
+        MOVING=any(isinstance(wall.shape, Plane) and wall.shape.moving for wall in scene.walls),
+        VERLET=schemes != {EulerSphere},
+        THREADED=threads > 1 and not aside,
+        CHUNK=1 << 60 if aside else CHUNK,
+        UNIFORM=_uniform(scene),
+        SAME_TORQUE=_uniform(scene) and pair is not None and not turns(pair),
+        ONE_LAW=pair is not None and bool((coefficient_table(pair) == coefficient_table(pair)[0]).all()),
+    )
+
+
+def turns(law: ContactLaw) -> bool:
+    """Whether the law resists rolling or twisting."""
+    return (law.rolling, law.twisting) != ("none", "none")
+
+
+def _uniform(scene: Scene) -> bool:
+    """Whether all particles have one radius and mass, and those that move one inertia: nothing of the kind is looked up then."""
+    p = scene.particles
+    factors = {integrator.inertia for integrator in scene.integrate}
+    return len(p.id) > 0 and len(factors) < 2 and bool((p.radius == p.radius[0]).all() and (p.mass == p.mass[0]).all())
 
 
 NO_LAW = f"""
-@compiled
+@inlined
 def pair_contact({SIGNATURE}):
     return 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
 
@@ -94,56 +158,81 @@ def pair_contact({SIGNATURE}):
 def pair_stored({STORED}):
     return 0.0, 0.0, 0.0
 
-@compiled
+@inlined
 def pair_reach(reff, coefficients, row):
     return 0.0
 
-@compiled
+@inlined
 def pair_rolling_share(radius, partner_radius):
     return 1.0
 """
 
 
-def source(scene: Scene, threads: int, *, budget: bool, virial: bool) -> str:
-    """The whole text of the specialised module."""
-    pair = scene.pair if meets(scene) else None
-    laws = ([("pair", pair)] if pair else []) + [(f"wall{k}", wall.law) for k, wall in enumerate(scene.walls)]
-    head = [
-        '"""Written by demsolver.specialise; a copy of kernel.py behind the laws of one scene."""',
+JIT = 'error_model="numpy", nogil=True, no_cfunc_wrapper=True'
+INNER = f"{JIT}, no_cpython_wrapper=True, _nrt=False"
+"""_nrt=False: no counting of references in loops that make no arrays; it would cost more than the contacts."""
+
+
+def compilers(has: Features) -> list[str]:
+    """Source of the decorators of the templates."""
+    return [
         "from math import sin, sqrt",
         "from numba import njit",
-        'compiled = njit(error_model="numpy", nogil=True, no_cpython_wrapper=True, no_cfunc_wrapper=True)',
-        'inlined = njit(error_model="numpy", nogil=True, no_cpython_wrapper=True, no_cfunc_wrapper=True, forceinline=True)',
-        'entry = njit(cache=True, error_model="numpy", nogil=True, no_cfunc_wrapper=True)',
-        'threaded = njit(error_model="numpy", nogil=True, parallel=True)' if threads > 1 else "threaded = compiled",
-        f"THREADED = {threads > 1}",
-        f"HOME = {HOME}",
+        f"compiled = njit({INNER})",
+        f"inlined = njit({INNER}, forceinline=True)",
+        f"entry = njit({JIT}, cache=True)",
+        f"shared = njit({INNER}, cache=True)",
+        'threaded = njit(error_model="numpy", nogil=True, parallel=True)' if has.THREADED else "threaded = compiled",
+        'shared_threaded = njit(error_model="numpy", nogil=True, parallel=True, cache=True)' if has.THREADED else "shared_threaded = shared",
+    ]
+
+
+def shared_source(name: str, has: Features) -> str:
+    """The text of a template that knows no law, behind only those constants that it names: one module for all scenes that agree in them."""
+    text = _template(name)
+    constants = {"HOME": HOME, "PARTNER_FEELS": PARTNER_FEELS, "BLOCK": BLOCK, **asdict(has)}
+    head = [f"{key} = {value}" for key, value in constants.items() if re.search(rf"\b{key}\b", text)]
+    return "\n\n".join([*compilers(has), *head, text])
+
+
+def source(scene: Scene, has: Features) -> str:
+    """The whole text of the specialised module."""
+    pair = scene.pair if has.PAIRS else None
+    laws = ([("pair", pair)] if pair else []) + [(f"wall{k}", wall.law) for k, wall in enumerate(scene.walls)]
+    head = [
+        '"""Written by demsolver.specialise: the templates kernel*.py behind the laws of one scene."""',
+        *compilers(has),
+        f"HOME, PARTNER_FEELS = {HOME}, {PARTNER_FEELS}",
+        f"BLOCK = {BLOCK}",
         f"ROLLING_INERTIA = {scene.rolling_inertia}",
         "TINY = 1e-200  # at zero overlap, where LIGGGHTS' walls touch already, stiffness is a limit",
-        *(f"{name} = {value}" for name, value in constants(scene, budget, virial).items()),
+        *(f"{name} = {value}" for name, value in asdict(has).items()),
+        *(f"from {_load(shared_source(name, has)).__name__} import *" for name in ("motion", "near")),
         *(law_imports(name, law) for name, law in laws),
-        *(contact_source(name, law) for name, law in laws),
+        *(contact_source(name, law, one=name == "pair" and has.ONE_LAW, lanes=name == "pair") for name, law in laws),
         NO_LAW if pair is None else "",
+        _template("contact"),
+        walls_source(scene),
+        fields_source(scene, implicit=has.IMPLICIT, rotates=has.ROTATES),
     ]
-    kernel = (HERE / "kernel.py").read_text()
-    loop, split, rest = kernel.partition("@compiled\ndef forces(")
-    fields = fields_source(scene, implicit(scene))
-    if implicit(scene):
-        steps, entry, stored = rest.partition("@entry\ndef stored(")
-        gradient = (HERE / "kernel_gradient.py").read_text()
-        rest = steps.partition("@entry\ndef run_steps(")[0] + wall_sweep_source(scene.walls) + gradient + "\n\n" + entry + stored
-        fields += steady_source(scene)
-    return "\n".join(head) + loop + walls_source(scene.walls) + fields + "\n\n" + split + rest
+    steps, entry, run = (HERE / "kernel.py").read_text().partition("@entry\ndef run_steps(")
+    last = [wall_sweep_source(scene.walls), steady_source(scene), _template("gradient")] if has.IMPLICIT else [entry + run]
+    return "\n\n".join([*head, steps, *last, _template("stored")])
 
 
-def specialise(scene: Scene, threads: int = 1, *, budget: bool = False, virial: bool = False) -> ModuleType:
+def _template(name: str) -> str:
+    return (HERE / f"kernel_{name}.py").read_text()
+
+
+def specialise(scene: Scene, has: Features) -> ModuleType:
     """The compiled loop for this scene: a module with run_steps and stored."""
     modules = sorted({f.__module__ for law in laws_of(scene) for f in law_functions("x", law).values()})
-    return _load(source(scene, threads, budget=budget, virial=virial), tuple(modules))
+    return _load(source(scene, has), tuple(modules))
 
 
 @cache
-def _load(text: str, modules: tuple[str, ...]) -> ModuleType:
+def _load(text: str, modules: tuple[str, ...] = ()) -> ModuleType:
+    """The module of this text, which binds functions of `modules`: its name says what went in."""
     import numba
 
     laws = "".join(inspect.getsource(sys.modules[name]) for name in modules)

@@ -8,8 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from demsolver import neighbors
+from demsolver.listed import Listed, listed
 from demsolver.scene import ContactLaw, Cylinder, Enforce2D, Freeze, Plane, Scene, SetForce, Slab
-from demsolver.state import Bodies, Floats, Ints, Pairs, bodies_of, inertia_of, selected
+from demsolver.state import Bodies, Floats, Ints, bodies_of, inertia_of, selected
 
 PAIR = -1
 """The law of pairs, where a number would name a wall."""
@@ -76,25 +77,25 @@ def law_of(scene: Scene, number: int) -> ContactLaw:
 
 def contacts_of(scene: Scene) -> Contacts:
     """The contacts of a scene as it stands. Raises ValueError when a periodic box is shorter than the reach of a contact."""
-    bodies = bodies_of(scene, aside=False)
+    bodies = bodies_of(scene)
     lo, hi = np.array(scene.box.lo, dtype=float), np.array(scene.box.hi, dtype=float)
     neighbors.wrap(bodies.x, lo, hi, scene.box.periodic)
+    rows = np.arange(len(bodies.x))
     if scene.pair is None:
-        return contacts_in(scene, bodies, neighbors.empty_pairs(len(bodies.x), 0), hi - lo)
+        return contacts_in(scene, bodies, listed(neighbors.empty_pairs(len(bodies.x), 0), rows), hi - lo)
     near = replace(scene, neighbor=replace(scene.neighbor, skin=0.0))
-    return contacts_in(scene, bodies, neighbors.build(near, bodies, lo, hi, 0), hi - lo)
+    return contacts_in(scene, bodies, listed(neighbors.build(near, bodies, lo, hi, 0, frozen_pairs=True), rows), hi - lo)
 
 
-def contacts_in(scene: Scene, bodies: Bodies, pairs: Pairs, size: Floats) -> Contacts:
+def contacts_in(scene: Scene, bodies: Bodies, pairs: Listed, size: Floats) -> Contacts:
     """The contacts of a running scene, from its own list; size: (3,) of its box."""
     found = [_pairs(bodies, pairs, size), *(_wall(scene, k, bodies) for k in range(len(scene.walls)))]
     return Contacts(*(np.concatenate([getattr(part, name) for part in found]) for name in Contacts.__dataclass_fields__))
 
 
-def _pairs(b: Bodies, pairs: Pairs, size: Floats) -> Contacts:
-    i, j = np.repeat(np.arange(len(b.x)), np.diff(pairs.first)), pairs.partner
-    once = i < j  # across a face a pair is listed twice
-    i, j, shift = i[once], j[once], pairs.shift[once]
+def _pairs(b: Bodies, pairs: Listed, size: Floats) -> Contacts:
+    once = (pairs.i < pairs.j) | (pairs.shift == neighbors.HOME)  # across a face a pair is listed twice
+    i, j, shift = pairs.i[once], pairs.j[once], pairs.shift[once]
     d = b.x[i] - b.x[j] - neighbors.SHIFTS[shift] * size
     distance, reach = np.sqrt((d * d).sum(axis=1)), b.radius[i] + b.radius[j]
     touch = (distance < reach) & (distance > 0.0)

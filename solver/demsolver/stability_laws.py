@@ -115,7 +115,7 @@ def _form(names: tuple[tuple[str, Any], ...], *, compiled: bool) -> tuple[Callab
     """Of a law without its coefficients: the chained law and its energy as the loop has them, and how many values it stores."""
     law = ContactLaw(**dict(names), coefficients={})
     ready: Callable[[Callable[..., Any]], Callable[..., Any]] = njit(error_model="numpy") if compiled else lambda function: function
-    space: dict[str, Any] = {"compiled": ready, "sqrt": sqrt, **{name: ready(f) for name, f in law_functions("law", law).items()}}
+    space: dict[str, Any] = {"compiled": ready, "inlined": ready, "sqrt": sqrt, **{name: ready(f) for name, f in law_functions("law", law).items()}}
     exec(compile(contact_source("law", law), "<contact law>", "exec"), space)  # noqa: S102  (our own text)
     return space["law_contact"], space["law_stored"], len(memory_signs(law))
 

@@ -8,7 +8,10 @@ from scipy import sparse
 from scipy.sparse.linalg import eigsh
 
 from demsolver import Simulation
-from tests.support.scenes import KN, bed, bed_particles
+from demsolver.listed import Listed
+from demsolver.neighbors import HOME, SHIFTS
+from demsolver.state import Bodies
+from tests.support.scenes import KN, bed
 
 UNDAMPED = {"gamman": 0.0, "mu": 0.0, "friction": "none"}
 SPAN = 0.01  # seconds: some 12 periods of the stiffest contact
@@ -18,26 +21,21 @@ def critical_step() -> float:
     """2/omega_max of the bed: the largest eigenvalue of the mass-weighted contact stiffness of the packing (central forces)."""
     simulation = Simulation(bed(1e-6, **UNDAMPED))
     simulation.setup()
-    p, pairs = bed_particles(), simulation.pairs
+    bodies, pairs = simulation.bodies, simulation.pairs
     entries = []
-    for i in range(len(p.id)):
-        for k in range(pairs.first[i], pairs.first[i + 1]):
-            if pairs.touching[k] & 1:
-                entries += _pair_block(simulation, i, k)
+    for k in np.flatnonzero(pairs.touching & 1):
+        entries += _pair_block(bodies, pairs, k, simulation.box_hi - simulation.box_lo)
     row, column, value = (np.concatenate(part) for part in zip(*entries, strict=True))
-    n = 3 * len(p.id)
+    n = 3 * len(bodies.x)
     stiffness = sparse.coo_matrix((value, (row, column)), shape=(n, n)).tocsr()
     return float(2.0 / np.sqrt(eigsh(stiffness, k=1, which="LA", return_eigenvectors=False)[0]))
 
 
-def _pair_block(simulation: Simulation, i: int, k: int):
-    from demsolver.neighbors import HOME, SHIFTS
-
-    b, j = simulation.bodies, simulation.pairs.partner[k]
-    shift = SHIFTS[simulation.pairs.shift[k]] * (simulation.box_hi - simulation.box_lo)
+def _pair_block(b: Bodies, pairs: Listed, k: int, size: np.ndarray):
+    i, j, shift = pairs.i[k], pairs.j[k], SHIFTS[pairs.shift[k]] * size
     d = b.x[i] - b.x[j] - shift
     block = KN * np.outer(d, d) / (d @ d)
-    half = 1.0 if simulation.pairs.shift[k] == HOME else 0.5
+    half = 1.0 if pairs.shift[k] == HOME else 0.5
     for first, second, sign in ((i, i, 1), (j, j, 1), (i, j, -1), (j, i, -1)):
         scaled = sign * half * block / np.sqrt(b.mass[first] * b.mass[second])
         row, column = np.meshgrid(3 * first + np.arange(3), 3 * second + np.arange(3), indexing="ij")

@@ -52,14 +52,15 @@ def growth(scene: Scene, steps: int = 200) -> float:
     for springs that hold. (Ways themselves may grow without harm: a ball rolls on.) inf when the run ends in nonsense."""
     simulation = Simulation(scene)
     simulation.setup()
-    p, b = scene.particles, simulation.bodies
+    p = scene.particles
     first = scene.timestep * max(np.abs(p.v).max(), (p.radius[:, None] * np.abs(p.omega)).max())
     pushed, per_turn = scene.timestep**2 / p.mass[:, None], scene.timestep**2 / (0.4 * p.mass * p.radius)[:, None]
-    start, farthest = b.force.copy(), 0.0
+    start, farthest = simulation.bodies.force, 0.0
     for _ in range(steps // 10):
         try:
             simulation.advance(10)
         except (Unstable, LostParticles):
             return np.inf
+        b = simulation.bodies
         farthest = max(farthest, float((pushed * np.abs(b.force - start)).max()), float((per_turn * np.abs(b.torque)).max()))
     return farthest / first

@@ -2,7 +2,8 @@
 
     s += dt vt;  s -= (s.n) n                       (only when advance)
     Ft = -kt s - gt vt
-    |Ft| > mu |Fn|:  Ft *= mu |Fn|/|Ft|,  s = -(Ft + gt vt)/kt;  Ft = 0 where there was no s before the projection
+    |Ft| > mu |Fn|:  Ft *= mu |Fn|/|Ft|,  s = -(Ft + gt vt)/kt, which is s + (1 - mu |Fn|/|Ft|) Ft/kt with the old Ft
+                     Ft = 0 where there was no s before the projection
 
 |Ft| <= mu |Fn| always. s turns by projection onto the current tangent plane, so its length shrinks a little. The reset of s on
 slip happens at setup too. Source: P. A. Cundall, O. D. L. Strack, Geotechnique 29 (1979) 47, doi:10.1680/geot.1979.29.1.47;
@@ -42,14 +43,11 @@ def force(
     fx, fy, fz = -kt * sx - gt * vtx, -kt * sy - gt * vty, -kt * sz - gt * vtz
     limit = mu * critical_force
     size = sqrt(fx * fx + fy * fy + fz * fz)
-    if size > limit:
-        if not moved:
-            return 0.0, 0.0, 0.0, sx, sy, sz
-        cut = limit / size
-        fx, fy, fz = cut * fx, cut * fy, cut * fz
-        if kt > 0.0:
-            sx, sy, sz = -(fx + gt * vtx) / kt, -(fy + gt * vty) / kt, -(fz + gt * vtz) / kt
-    return fx, fy, fz, sx, sy, sz
+    cut = min(1.0, limit / max(size, 1e-200))
+    if not moved and cut < 1.0:
+        return 0.0, 0.0, 0.0, sx, sy, sz
+    give = (1.0 - cut) * (1.0 / kt) if kt > 0.0 else 0.0  # 0 where it holds: no question asked, for whether a contact slips is hard to foretell
+    return cut * fx, cut * fy, cut * fz, sx + give * fx, sy + give * fy, sz + give * fz
 
 
 def energy(kt: float, sx: float, sy: float, sz: float) -> float:

@@ -1,0 +1,324 @@
+"""One contact, and what it does to its two particles: a template like kernel.py, in front of it. `entry_force` is a pair; kernel_wall.py holds walls.
+
+Memory columns of a contact: first BASE columns of the law's own; with BUDGET also what took energy in the last step: three columns each of the
+normal damping force, the tangential force, its torques on both sides, the rolling torques on both sides; then the power that a wall's motion gives
+to the spring.
+Tally: 0 work of the normal damping, 1 work of the tangential force, 2 work of viscous drag, 4 work of the rolling torques; negative while they
+take energy; 5 work of the walls' motion on the particles. With VIRIAL: 3 the sum of r.F over the pairs of the last force evaluation. A row a chunk.
+"""
+
+# ruff: noqa: F821
+from math import sqrt
+
+import numpy as np
+
+# Fields of a block of contacts: field F of lane u is lanes[F + u], so that the arithmetic of several contacts is done at once. What the
+# law remembers stands apart, in `past`, column c of lane u at past[c * BLOCK + u]: it is state, and keeps all its digits in mixed precision too.
+(
+    DX, DY, DZ, VX, VY, VZ, WAX, WAY, WAZ, WOX, WOY, WOZ, RA, RO, MEFF, INERTIA,
+    NX, NY, NZ, PX, PY, PZ, GX, GY, GZ, HX, HY, HZ, SPRING, DAMPING, FX, FY, FZ, QX, QY, QZ, SHIFT, LOSS,
+) = (BLOCK * number for number in range(38))
+# The same of whole numbers: who feels it, the other, whether both do, place in the list of all pairs, row of the table of coefficients.
+FELT, OTHER, BOTH, ENTRY, LAW = (BLOCK * number for number in range(5))
+
+REST = (0.0,) * 19  # `now` of a contact that has ended
+
+
+@compiled
+def spend(memory, k, base, now, vx, vy, vz, wi, wj, half_dt, tally):
+    """Work of one step on a contact by the trapezoid rule (order dt^2): half by the forces of the last step, half by today's `now`.
+
+    wi, wj: (3,) angular velocities of both sides.
+    """
+    tally[0] += half_dt * (
+        (memory[k, base] + now[0]) * vx + (memory[k, base + 1] + now[1]) * vy + (memory[k, base + 2] + now[2]) * vz
+    )
+    rubbing = (memory[k, base + 3] + now[3]) * vx + (memory[k, base + 4] + now[4]) * vy + (memory[k, base + 5] + now[5]) * vz
+    rolling = 0.0
+    for c in range(3):
+        rubbing += (memory[k, base + 6 + c] + now[6 + c]) * wi[c] + (memory[k, base + 9 + c] + now[9 + c]) * wj[c]
+        rolling += (memory[k, base + 12 + c] + now[12 + c]) * wi[c] + (memory[k, base + 15 + c] + now[15 + c]) * wj[c]
+    tally[1] += half_dt * rubbing
+    tally[4] += half_dt * rolling
+
+
+@compiled
+def drive(memory, k, base, now, ux, uy, uz, turning, half_dt, tally):
+    """Work that a wall does in one step by its motion, by the same rule. u: its velocity where it is touched; turning: (3,) angular velocity."""
+    driving = memory[k, base + 18] + now[18]
+    driving += (memory[k, base] + now[0] + memory[k, base + 3] + now[3]) * ux
+    driving += (memory[k, base + 1] + now[1] + memory[k, base + 4] + now[4]) * uy
+    driving += (memory[k, base + 2] + now[2] + memory[k, base + 5] + now[5]) * uz
+    for c in range(3):
+        driving += (memory[k, base + 12 + c] + now[12 + c]) * turning[c]
+    tally[5] += half_dt * driving
+
+
+@compiled
+def remember(memory, k, base, now):
+    """Keep today's forces for the work of the next step."""
+    for c in range(19):
+        memory[k, base + c] = now[c]
+
+
+@compiled
+def settle(memory, k, base, vx, vy, vz, wi, wj, half_dt, advance, tally):
+    """The last work on a contact that has ended."""
+    if advance:
+        spend(memory, k, base, REST, vx, vy, vz, wi, wj, half_dt, tally)
+    remember(memory, k, base, REST)
+
+
+@inlined
+def feels(q, near):
+    """Who feels entry q, the other, the shift between them, and whether both feel it."""
+    i, j = np.int64(near.row[q]), np.int64(near.partner[q])
+    if PERIODIC:
+        s = np.int64(near.code[q])
+        if s >= PARTNER_FEELS:
+            return j, i, s - PARTNER_FEELS, False
+        return i, j, s, s == HOME
+    return i, j, HOME, True
+
+
+@inlined
+def between(a, o, s, x, shifts):
+    """Vector from the image of o to a."""
+    if PERIODIC and s != HOME:
+        return x[a, 0] - (x[o, 0] + shifts[s, 0]), x[a, 1] - (x[o, 1] + shifts[s, 1]), x[a, 2] - (x[o, 2] + shifts[s, 2])
+    return x[a, 0] - x[o, 0], x[a, 1] - x[o, 1], x[a, 2] - x[o, 2]
+
+
+@compiled
+def find_touching(low, high, b, p, near, shifts, equal, coefficients, ntypes, dt, advance, tally):
+    """Puts the entries of low..high that touch into near.hit, from low on; returns their end. Contacts that have ended are settled.
+
+    Whether a near pair touches is hard to foretell: this loop does without asking, so that the next one has only contacts.
+    """
+    found = low
+    for q in range(low, high):
+        a, o, s, both = feels(q, near)
+        k = np.int64(near.entry[q])
+        dx, dy, dz = between(a, o, s, b.x, shifts)
+        ri, rj = (equal[0], equal[0]) if UNIFORM else (b.radius[a], b.radius[o])
+        reach = ri + rj
+        beyond = reach
+        if BEYOND and p.touching[k] & 1:
+            beyond += pair_reach(ri * rj / reach, coefficients, 0 if ONE_LAW else b.kind[a] * ntypes + b.kind[o])
+        touches = np.int64(dx * dx + dy * dy + dz * dz < beyond * beyond)
+        near.hit[found] = q
+        found += touches
+        if (p.touching[k] & 1) > touches:
+            end_contact(k, a, o, both, reach - beyond, b, p, equal, coefficients, ntypes, dt, advance, tally)
+    return found
+
+
+@compiled
+def end_contact(k, a, o, both, overlap, b, p, equal, coefficients, ntypes, dt, advance, tally):
+    """The two of listed pair k have parted, at this overlap (below zero of laws that hold on to each other)."""
+    half_dt = 0.5 * dt if both else 0.25 * dt
+    v, w = b.v, b.omega
+    if BUDGET and BEYOND and advance:  # what a contact holds where it snaps off
+        ri, rj = (equal[0], equal[0]) if UNIFORM else (b.radius[a], b.radius[o])
+        row = 0 if ONE_LAW else b.kind[a] * ntypes + b.kind[o]
+        held = pair_stored(p.memory, k, overlap, ri, 1.0 / rj, ri * rj / (ri + rj), 0.0, 0.0, dt, coefficients, row)
+        tally[0] -= held[0] if both else 0.5 * held[0]
+    if BUDGET:
+        settle(p.memory, k, BASE, v[a, 0] - v[o, 0], v[a, 1] - v[o, 1], v[a, 2] - v[o, 2], w[a], w[o], half_dt, advance, tally)
+    if not OUTLIVES:
+        for c in range(BASE):
+            p.memory[k, c] = 0.0
+    p.touching[k] = 2 if OUTLIVES else 0
+
+
+@inlined
+def gather(u, q, b, p, near, shifts, equal, ntypes, lanes, past, who):
+    """Lane u gets what the law asks of entry q, which touches. equal: radius and mass of all (UNIFORM)."""
+    a, o, s, both = feels(q, near)
+    k = np.int64(near.entry[q])
+    who[FELT + u], who[OTHER + u], who[BOTH + u], who[ENTRY + u] = a, o, both, k
+    p.touching[k] = 3 if OUTLIVES else 1
+    lanes[DX + u], lanes[DY + u], lanes[DZ + u] = between(a, o, s, b.x, shifts)
+    lanes[VX + u], lanes[VY + u], lanes[VZ + u] = b.v[a, 0] - b.v[o, 0], b.v[a, 1] - b.v[o, 1], b.v[a, 2] - b.v[o, 2]
+    if FRICTION or ROLLING:
+        lanes[WAX + u], lanes[WAY + u], lanes[WAZ + u] = b.omega[a, 0], b.omega[a, 1], b.omega[a, 2]
+        lanes[WOX + u], lanes[WOY + u], lanes[WOZ + u] = b.omega[o, 0], b.omega[o, 1], b.omega[o, 2]
+    if not UNIFORM:
+        lanes[RA + u], lanes[RO + u] = b.radius[a], b.radius[o]
+    if FROZEN or not UNIFORM:
+        ma, mo = (equal[1], equal[1]) if UNIFORM else (b.mass[a], b.mass[o])
+        meff = ma * mo / (ma + mo)
+        if FROZEN:
+            meff = mo if b.frozen[a] else (ma if b.frozen[o] else meff)
+        lanes[MEFF + u] = meff
+    if ROLLING and not UNIFORM:
+        lanes[INERTIA + u] = rolling_inertia(b.mass[a], b.radius[a], b.mass[o], b.radius[o])
+    if not ONE_LAW:
+        who[LAW + u] = b.kind[a] * ntypes + b.kind[o]
+    for c in range(BASE):
+        past[c * BLOCK + u] = p.memory[k, c]
+
+
+@inlined
+def rolling_inertia(ma, ra, mo, ro):
+    """Of the two about their contact point."""
+    return ROLLING_INERTIA / (1.0 / (ma * ra * ra) + 1.0 / (mo * ro * ro))
+
+
+@compiled
+def act(count, equal, coefficients, dt, advance, lanes, past, who):
+    """The law in the lanes 0..count: force P on who feels it, torques G on it and H on the other, and what the books want to know."""
+    for u in range(min(count, BLOCK)):
+        dx, dy, dz = lanes[DX + u], lanes[DY + u], lanes[DZ + u]
+        ra, ro = (equal[0], equal[0]) if UNIFORM else (lanes[RA + u], lanes[RO + u])
+        meff = lanes[MEFF + u] if FROZEN or not UNIFORM else equal[1] * equal[1] / (equal[1] + equal[1])
+        row = 0 if ONE_LAW else who[LAW + u]
+        reach = ra + ro
+        distance = sqrt(dx * dx + dy * dy + dz * dz)
+        inverse = 1.0 / distance
+        nx, ny, nz = dx * inverse, dy * inverse, dz * inverse
+        overlap = reach - distance
+        vx, vy, vz = lanes[VX + u], lanes[VY + u], lanes[VZ + u]
+        vn = vx * nx + vy * ny + vz * nz
+        tx = ty = tz = ux = uy = uz = inertia = 0.0
+        if FRICTION:
+            aa, ao = ra, ro
+            if SURFACE_CONTACT:
+                aa, ao = ra - 0.5 * overlap, ro - 0.5 * overlap
+            wx = aa * lanes[WAX + u] + ao * lanes[WOX + u]
+            wy = aa * lanes[WAY + u] + ao * lanes[WOY + u]
+            wz = aa * lanes[WAZ + u] + ao * lanes[WOZ + u]
+            tx = vx - vn * nx - (wy * nz - wz * ny)
+            ty = vy - vn * ny - (wz * nx - wx * nz)
+            tz = vz - vn * nz - (wx * ny - wy * nx)
+        if ROLLING:
+            inertia = rolling_inertia(equal[1], equal[0], equal[1], equal[0]) if UNIFORM else lanes[INERTIA + u]
+            ux, uy, uz = lanes[WAX + u] - lanes[WOX + u], lanes[WAY + u] - lanes[WOY + u], lanes[WAZ + u] - lanes[WOZ + u]
+        fn, damping, fx, fy, fz, qx, qy, qz, shift, loss = pair_contact(
+            past, u, overlap, ra, 1.0 / ro, ra * ro / reach, meff, inertia, 1.0, vn, nx, ny, nz, tx, ty, tz, ux, uy, uz, dt, advance, coefficients, row,
+        )
+        lanes[PX + u], lanes[PY + u], lanes[PZ + u] = fn * nx + fx, fn * ny + fy, fn * nz + fz
+        if FRICTION or ROLLING:
+            gx = gy = gz = hx = hy = hz = 0.0
+            if FRICTION:
+                aa, ao = ra, ro
+                if TORQUE_CONTACT:
+                    aa, ao = ra - 0.5 * overlap, ro - 0.5 * overlap
+                cx, cy, cz = ny * fz - nz * fy, nz * fx - nx * fz, nx * fy - ny * fx
+                gx, gy, gz, hx, hy, hz = -aa * cx, -aa * cy, -aa * cz, -ao * cx, -ao * cy, -ao * cz
+            if ROLLING:
+                share = pair_rolling_share(ra, ro)
+                gx, gy, gz = gx + qx, gy + qy, gz + qz
+                hx, hy, hz = hx - share * qx, hy - share * qy, hz - share * qz
+            lanes[GX + u], lanes[GY + u], lanes[GZ + u] = gx, gy, gz
+            if not SAME_TORQUE:
+                lanes[HX + u], lanes[HY + u], lanes[HZ + u] = hx, hy, hz
+        if SHIFTING or IMPLICIT or BUDGET:
+            lanes[NX + u], lanes[NY + u], lanes[NZ + u] = nx, ny, nz
+            lanes[SPRING + u], lanes[DAMPING + u], lanes[SHIFT + u], lanes[LOSS + u] = fn - damping, damping, shift, loss
+        if BUDGET:
+            lanes[FX + u], lanes[FY + u], lanes[FZ + u] = fx, fy, fz
+            lanes[QX + u], lanes[QY + u], lanes[QZ + u] = qx, qy, qz
+
+
+@inlined
+def deliver(u, b, p, equal, dt, advance, tally, lanes, past, who):
+    """What lane u found: memory and books. Returns who feels it, the other, and whether both do."""
+    a, o, both, k = who[FELT + u], who[OTHER + u], who[BOTH + u] != 0, who[ENTRY + u]
+    for c in range(BASE):
+        p.memory[k, c] = past[c * BLOCK + u]
+    nx, ny, nz = lanes[NX + u], lanes[NY + u], lanes[NZ + u]
+    if SHIFTING:
+        ma, mo = (equal[1], equal[1]) if UNIFORM else (b.mass[a], b.mass[o])
+        meff = lanes[MEFF + u] if FROZEN or not UNIFORM else ma * mo / (ma + mo)
+        if b.moving[a] and not b.frozen[a]:
+            aside(b, a, lanes[SHIFT + u] * meff / ma, nx, ny, nz)
+        if both and b.moving[o] and not b.frozen[o]:
+            aside(b, o, -lanes[SHIFT + u] * meff / mo, nx, ny, nz)
+        if advance:
+            tally[0] -= lanes[LOSS + u] if both else 0.5 * lanes[LOSS + u]
+    if IMPLICIT:
+        aside(b, a, lanes[SPRING + u], nx, ny, nz)
+        if both:
+            aside(b, o, -lanes[SPRING + u], nx, ny, nz)
+    if VIRIAL:
+        virial = lanes[DX + u] * lanes[PX + u] + lanes[DY + u] * lanes[PY + u] + lanes[DZ + u] * lanes[PZ + u]
+        tally[3] += virial if both else 0.5 * virial
+    if BUDGET:
+        keep_books(u, k, a, o, both, nx, ny, nz, b, p, dt, advance, tally, lanes)
+    return a, o, both
+
+
+@compiled
+def keep_books(u, k, a, o, both, nx, ny, nz, b, p, dt, advance, tally, lanes):
+    """The work that the contact in lane u has taken in this step."""
+    half_dt = 0.5 * dt if both else 0.25 * dt  # half a pair: the other half stands beside it, as seen from there
+    damping = lanes[DAMPING + u]
+    qx, qy, qz = lanes[QX + u], lanes[QY + u], lanes[QZ + u]
+    h = GX if SAME_TORQUE else HX
+    ra, ro = b.radius[a], b.radius[o]
+    share = pair_rolling_share(ra, ro) if ROLLING else 1.0
+    gx = gy = gz = hx = hy = hz = 0.0
+    if FRICTION or ROLLING:
+        gx, gy, gz = lanes[GX + u] - qx, lanes[GY + u] - qy, lanes[GZ + u] - qz
+        hx, hy, hz = lanes[h + u] + share * qx, lanes[h + BLOCK + u] + share * qy, lanes[h + 2 * BLOCK + u] + share * qz
+    now = (
+        damping * nx, damping * ny, damping * nz, lanes[FX + u], lanes[FY + u], lanes[FZ + u], gx, gy, gz, hx, hy, hz,
+        qx, qy, qz, -share * qx, -share * qy, -share * qz, 0.0,
+    )
+    if advance:
+        spend(p.memory, k, BASE, now, lanes[VX + u], lanes[VY + u], lanes[VZ + u], b.omega[a], b.omega[o], half_dt, tally)
+    remember(p.memory, k, BASE, now)
+
+
+@inlined
+def aside(b, i, size, nx, ny, nz):
+    """Sets `size` n aside for particle i."""
+    b.aside[i, 0] += size * nx
+    b.aside[i, 1] += size * ny
+    b.aside[i, 2] += size * nz
+
+
+@inlined
+def give(b, a, o, both, u, lanes):
+    """Adds what lane u found to the forces and torques of the two."""
+    fx, fy, fz = lanes[PX + u], lanes[PY + u], lanes[PZ + u]
+    b.force[a, 0] += fx
+    b.force[a, 1] += fy
+    b.force[a, 2] += fz
+    if both:
+        b.force[o, 0] -= fx
+        b.force[o, 1] -= fy
+        b.force[o, 2] -= fz
+    if FRICTION or ROLLING:
+        b.torque[a, 0] += lanes[GX + u]
+        b.torque[a, 1] += lanes[GY + u]
+        b.torque[a, 2] += lanes[GZ + u]
+        if both:
+            h = GX if SAME_TORQUE else HX
+            b.torque[o, 0] += lanes[h + u]
+            b.torque[o, 1] += lanes[h + BLOCK + u]
+            b.torque[o, 2] += lanes[h + 2 * BLOCK + u]
+
+
+@compiled
+def wall_parting(i, base, wvx, wvy, wvz, turning, b, memory, dt, advance, tally):
+    """A wall forgets a particle as soon as they part."""
+    if BUDGET:
+        if advance:
+            drive(memory, i, base, REST, wvx, wvy, wvz, turning, 0.5 * dt, tally)
+        settle(memory, i, base, b.v[i, 0] - wvx, b.v[i, 1] - wvy, b.v[i, 2] - wvz, b.omega[i], turning, 0.5 * dt, advance, tally)
+    for c in range(base):
+        memory[i, c] = 0.0
+
+
+@compiled
+def drag(i, gamma, b, memory, dt, advance, tally):
+    """Viscous drag -gamma v on particle i; `memory` holds its last force for the work."""
+    for c in range(3):
+        f = -gamma * b.v[i, c]
+        b.force[i, c] += f
+        if BUDGET:
+            if advance:
+                tally[2] += 0.5 * dt * (memory[i, c] + f) * b.v[i, c]
+            memory[i, c] = f

@@ -1,0 +1,128 @@
+"""The near list: which listed pairs can touch within the next steps. A template like kernel.py,
+compiled once for all scenes with the same constants.
+
+In dense flow one listed pair in seven touches. At a renewal every listed pair is looked at: in straight flight at its present velocities the distance of
+two centres cannot fall below d + min(0, v.n) t. A particle departs from its straight flight by at most dt times the sum, over the steps, of the sum of
+the largest change of a velocity in each step so far; a sweep tells that change. The list is renewed before anyone has departed by more than it allows
+for, or when its span of steps is over: a pair that is not in it cannot touch. Pairs that touch, or did at the last step, are always in it.
+
+Step laws move particles by more than their velocities, so there the list is renewed in every step, for that step.
+"""
+
+# ruff: noqa: F821
+from math import sqrt
+
+import numpy as np
+from numba import prange
+
+LEEWAY = 1e-3  # of the mean radius: how far a particle may depart from straight flight before the list is renewed
+CLOSE = 1.0 + 1e-9  # for rounding
+SHORTEST, LONGEST = 4, 40  # steps between renewals
+FIRST, END, CROSS_FIRST, CROSS_END, KEPT_FIRST, KEPT_END = range(6)  # columns of near.chunks
+START_WATCH = (np.inf, 0.0, 0.0, 0)  # departure so far and allowed, sum of the changes of velocity, steps left
+
+
+@compiled
+def near_chunk(c, b, movers, p, near, shifts, equal, span, leeway):
+    """Near pairs of the rows of chunk c: those that straight flight for the time `span` brings within `leeway`, and those that touch."""
+    stop = min(b.x.shape[0], (c + 1) * CHUNK)
+    begin = p.first[c * CHUNK]
+    found = begin
+    for k in range(begin, p.first[stop]):
+        i, j = np.int64(near.listed_row[k]), np.int64(p.partner[k])
+        dx, dy, dz = b.x[i, 0] - b.x[j, 0], b.x[i, 1] - b.x[j, 1], b.x[i, 2] - b.x[j, 2]
+        if PERIODIC:
+            s = np.int64(p.code[k])
+            if s != HOME:
+                sign = -1.0
+                if s >= PARTNER_FEELS:
+                    sign, s = 1.0, s - PARTNER_FEELS
+                dx, dy, dz = dx + sign * shifts[s, 0], dy + sign * shifts[s, 1], dz + sign * shifts[s, 2]
+        one, other = np.float64(i < movers), np.float64(j < movers)
+        closing = dx * (other * b.v[j, 0] - one * b.v[i, 0]) + dy * (other * b.v[j, 1] - one * b.v[i, 1])
+        closing += dz * (other * b.v[j, 2] - one * b.v[i, 2])
+        close = CLOSE * (leeway + (equal[0] + equal[0] if UNIFORM else b.radius[i] + b.radius[j]))
+        square = dx * dx + dy * dy + dz * dz
+        # without a square root: distance - closing speed * span < close, times the distance
+        ahead = square - max(closing, 0.0) * span
+        near.hit[found] = k
+        found += np.int64((ahead <= 0.0) | (ahead * ahead < close * close * square) | (p.touching[k] & 1 != 0))
+    q, u = near.chunks[c, FIRST], near.chunks[c, CROSS_FIRST]
+    for h in range(begin, found):
+        k = np.int64(near.hit[h])
+        if p.partner[k] < stop:
+            take(q, k, p, near)
+            q += 1
+        else:
+            take(u, k, p, near)
+            u += 1
+    near.chunks[c, END], near.chunks[c, CROSS_END] = q, u
+
+
+@inlined
+def take(q, k, p, near):
+    """Listed pair k becomes near entry q."""
+    near.row[q], near.partner[q], near.entry[q] = near.listed_row[k], p.partner[k], k
+    if PERIODIC:
+        near.code[q] = p.code[k]
+
+
+@shared_threaded
+def list_near(b, movers, p, near, shifts, equal, span, leeway):
+    """The near pairs of all rows, and which chunks each thread does: about as much work for each."""
+    chunks = near.chunks.shape[0]
+    if THREADED:
+        for t in prange(near.share.shape[0] - 1):
+            for c in range(near.share[t], near.share[t + 1]):
+                near_chunk(c, b, movers, p, near, shifts, equal, span, leeway)
+        share_out(near, b.x.shape[0])
+    else:
+        for c in range(chunks):
+            near_chunk(c, b, movers, p, near, shifts, equal, span, leeway)
+
+
+@compiled
+def share_out(near, n):
+    """Cuts the chunks into runs of about the same work: a particle costs about as much as a contact."""
+    chunks, threads = near.chunks.shape[0], near.share.shape[0] - 1
+    work = 0
+    for c in range(chunks):
+        work += chunk_work(c, near, n)
+    t = 1
+    done = 0
+    for c in range(chunks):
+        half = chunk_work(c, near, n) // 2
+        while t < threads and (done + half) * threads >= t * work:
+            near.share[t] = c
+            t += 1
+        done += chunk_work(c, near, n)
+    while t < threads:
+        near.share[t] = chunks
+        t += 1
+
+
+@inlined
+def chunk_work(c, near, n):
+    """Particles and near pairs of a chunk."""
+    return min(n, (c + 1) * CHUNK) - c * CHUNK + near.chunks[c, END] - near.chunks[c, FIRST] + near.chunks[c, CROSS_END] - near.chunks[c, CROSS_FIRST]
+
+
+@shared
+def renew_near(watch, b, movers, p, near, shifts, equal, dt, jump):
+    """Keeps the near list true at the present positions. jump: largest change of a velocity in the last sweep."""
+    departure, allowed, gained, left = watch
+    if SHIFTING:
+        list_near(b, movers, p, near, shifts, equal, 0.0, 0.0)
+        return watch
+    gained += jump
+    departure += dt * gained
+    left -= 1
+    if departure <= allowed and left >= 0:
+        return departure, allowed, gained, left
+    pull = 0.75 * dt * jump
+    steps = LONGEST
+    if pull * LONGEST * (LONGEST + 1) > LEEWAY * near.scale[0]:
+        steps = max(SHORTEST, int(sqrt(LEEWAY * near.scale[0] / pull)))
+    allowed = pull * steps * (steps + 1)
+    list_near(b, movers, p, near, shifts, equal, steps * dt, 2.0 * allowed)
+    return 0.0, allowed, 0.0, steps

@@ -1,0 +1,51 @@
+"""The energy in all contacts: a template like kernel.py, behind it."""
+
+# ruff: noqa: F821
+from math import sqrt
+
+import numpy as np
+
+
+@entry
+def stored(b, p, shifts, coefficients, ntypes, walls, dt):
+    """Elastic energy in all contacts: (normal, tangential, rolling), at the current positions and histories."""
+    normal = tangential = rolling = 0.0
+    if PAIRS:
+        for i in range(b.x.shape[0]):
+            for k in range(p.first[i], p.first[i + 1]):
+                a, o, s = i, np.int64(p.partner[k]), HOME
+                if PERIODIC:
+                    s = np.int64(p.code[k])
+                    if s >= PARTNER_FEELS:
+                        a, o, s = o, a, s - PARTNER_FEELS
+                square = vn = 0.0
+                for c in range(3):
+                    d = b.x[a, c] - b.x[o, c]
+                    if PERIODIC:
+                        d -= shifts[s, c]
+                    square += d * d
+                    vn += d * (b.v[a, c] - b.v[o, c])
+                reach = b.radius[a] + b.radius[o]
+                if square < reach * reach or (BEYOND and p.touching[k] & 1):
+                    distance = sqrt(square)
+                    meff = b.mass[a] * b.mass[o] / (b.mass[a] + b.mass[o])
+                    if FROZEN:
+                        if b.frozen[a]:
+                            meff = b.mass[o]
+                        elif b.frozen[o]:
+                            meff = b.mass[a]
+                    row = 0 if ONE_LAW else b.kind[a] * ntypes + b.kind[o]
+                    en, et, er = pair_stored(
+                        p.memory, k, reach - distance, b.radius[a], 1.0 / b.radius[o], b.radius[a] * b.radius[o] / reach, meff, vn / distance, dt,
+                        coefficients, row,
+                    )
+                    part = 0.5 if s != HOME else 1.0
+                    normal += part * en
+                    tangential += part * et
+                    rolling += part * er
+    for i in range(b.x.shape[0]):
+        en, et, er = wall_stored(i, b, walls, dt)
+        normal += en
+        tangential += et
+        rolling += er
+    return normal, tangential, rolling

@@ -1,0 +1,79 @@
+"""The arrays of the near list (kernel_near.py fills them)."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from demsolver.state import Floats, Ints, Pairs
+
+
+class Near(NamedTuple):
+    """Pairs that can touch soon. Rows are cut into chunks; chunks: (c, 6), where its entries stand: FIRST, END of those with partners in the same
+    chunk, CROSS_FIRST, CROSS_END of those with partners in later ones; KEPT_FIRST, KEPT_END of what several threads keep of those.
+
+    listed_row: row of each pair of the list of all. Of an entry: row and partner; its code (as in Pairs); `entry`, its place in the list of
+    all pairs, where what it remembers stands. hit: entries that touch. With several threads: kept_pair (x, 2), kept_action (x, 9 or 3), what is
+    kept for both particles: force, torque, torque of the other; share (t + 1,): thread t does the chunks share[t] to share[t + 1].
+    lanes, past, who: (t, ...) scratch of each thread, a block of contacts; lanes are float32 in mixed precision. scale: mean radius; bound of the
+    way of any particle since the list of all pairs was built.
+    """
+
+    chunks: Ints
+    listed_row: NDArray[np.uint32]
+    row: NDArray[np.uint32]
+    partner: NDArray[np.uint32]
+    entry: NDArray[np.uint32]
+    hit: NDArray[np.uint32]
+    code: NDArray[np.uint8]
+    kept_pair: Ints
+    kept_action: Floats
+    share: Ints
+    lanes: NDArray[np.floating]
+    past: Floats
+    who: Ints
+    scale: Floats
+
+
+BLOCK = 64
+"""Contacts whose arithmetic is done in one go: their fields stay in the fastest cache."""
+FIELDS = 38
+"""Of a contact in a block, beside its memory (kernel_contact.py names them)."""
+
+
+def near_of(pairs: Pairs, radius: Floats, chunk: int, threads: int, *, turns: bool, mixed: bool) -> Near:
+    """An empty near list with room for every pair. chunk: rows of a chunk. threads: 1, or how many share the chunks. turns: whether
+    contacts make torques. mixed: whether geometry and forces of a contact are float32."""
+    n, m = len(radius), len(pairs.partner)
+    count = max(1, -(-n // chunk))
+    start = pairs.first[np.minimum(np.arange(count + 1) * min(chunk, n + 1), n)]
+    crossing, listed_row = np.zeros(count, dtype=np.int64), np.empty(m, dtype=np.uint32)
+    _look_over(pairs.first, pairs.partner, chunk, crossing, listed_row)
+    kept_first = np.cumsum(crossing) - crossing
+    kept = int(crossing.sum()) if threads > 1 else 0
+    first, cross_first = start[:-1], start[1:] - crossing
+    return Near(
+        chunks=np.column_stack([first, first, cross_first, cross_first, kept_first, kept_first]),
+        listed_row=listed_row, row=np.empty(m, dtype=np.uint32), partner=np.empty(m, dtype=np.uint32), entry=np.empty(m, dtype=np.uint32),
+        hit=np.empty(m + 1, dtype=np.uint32),
+        code=np.empty(len(pairs.code), dtype=np.uint8),
+        kept_pair=np.empty((kept, 2), dtype=np.int64), kept_action=np.empty((kept, 9 if turns else 3)),
+        share=np.linspace(0, count, threads + 1).astype(np.int64),
+        lanes=np.empty((threads, BLOCK * FIELDS), dtype=np.float32 if mixed else np.float64),
+        past=np.empty((threads, BLOCK * max(1, pairs.memory.shape[1]))), who=np.zeros((threads, 5 * BLOCK), dtype=np.int64),
+        scale=np.array([radius.mean() if n else 0.0, 0.0]),
+    )  # fmt: skip
+
+
+@njit(cache=True, error_model="numpy")
+def _look_over(first, partner, chunk, crossing, listed_row):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+    """Writes how many pairs each chunk of rows has with later ones, and the row of each pair."""
+    for i in range(len(first) - 1):
+        c = i // chunk
+        stop = (c + 1) * chunk
+        for k in range(first[i], first[i + 1]):
+            listed_row[k] = i
+            crossing[c] += np.int64(partner[k] >= stop)

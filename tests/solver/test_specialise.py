@@ -1,0 +1,241 @@
+"""Only what a scene has is there, what is not there changes no bit, and neither do threads, chunks, order and the near list."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from demsolver import Box, ContactLaw, Freeze, Gravity, LostParticles, Neighbor, NveSphere, Particles, Scene, Simulation, Slab, Wall
+from demsolver.specialise import CHUNK, features, source
+from tests.support.scenes import law, spheres
+
+RADIUS = 0.005
+
+
+def gas(n: int = 60, *, seed: int = 1, size: float = 0.06, speed: float = 1.0, friction: str = "none", periodic: bool = False) -> Scene:
+    """Equal spheres on a jittered grid in a box, flying at random. Contacts last some 40 steps."""
+    rng = np.random.default_rng(seed)
+    cells = int(np.ceil(n ** (1 / 3)))
+    grid = np.stack(np.meshgrid(*[np.arange(cells)] * 3, indexing="ij"), axis=-1).reshape(-1, 3)[rng.permutation(cells**3)[:n]]
+    x = (grid + 0.5) * size / cells + rng.uniform(-0.1, 0.1, (n, 3)) * (size / cells - 2 * RADIUS)
+    p = spheres(x, np.full(n, RADIUS), v=rng.normal(0, speed, (n, 3)))
+    box = Box(np.zeros(3), np.full(3, size), ("pp", "pp", "pp")) if periodic else Box(np.full(3, -1.0), np.full(3, 1.0), ("ff", "ff", "ff"))
+    return Scene(box, p, 1, 1e-5, pair=law((1, 1), friction=friction), integrate=(NveSphere(),), neighbor=Neighbor(0.001))
+
+
+def after(scene: Scene, steps: int = 200, **settings: object) -> Particles:
+    """The particles of a scene so many steps later."""
+    simulation = Simulation(scene, **settings)  # type: ignore[arg-type]
+    simulation.setup()
+    simulation.advance(steps)
+    return simulation.particles()
+
+
+def same(a: Particles, b: Particles) -> bool:
+    """Whether the first particles of b are those of a, bit for bit."""
+    n = len(a.id)
+    return all(np.array_equal(getattr(a, name), getattr(b, name)[:n]) for name in ("x", "v"))
+
+
+def test_what_a_scene_lacks_is_not_there() -> None:
+    """Law: a frictionless gas of equal spheres has no torques, spins, histories, codes, tables; walls and fields are empty in its loop."""
+    scene = gas()
+    simulation = Simulation(scene)
+    simulation.setup()
+    b, near = simulation._bodies, simulation._near
+    assert (len(b.omega), len(b.torque), len(b.spin), len(b.aside), len(b.kick)) == (0, 0, 0, 0, 1)
+    assert simulation._pairs.memory.shape[1] == 0
+    assert (len(simulation._pairs.code), len(near.code), len(near.kept_action)) == (0, 0, 0)
+    assert isinstance(simulation._coefficients, tuple)
+    has = features(scene)
+    assert not any((has.FRICTION, has.ROLLING, has.ROTATES, has.BUDGET, has.VIRIAL, has.PERIODIC, has.FROZEN, has.MOVING, has.THREADED))
+    text = source(scene, has)
+    assert "def wall_forces(i, b, walls, dt, advance, tally):\n    pass\n" in text
+    assert "def field_forces(i, b, fields, dt, advance, tally):\n    pass\n" in text
+    full = features(replace(scene, pair=law((1, 1)), forces=(Gravity((0.0, 0.0, -1.0)),)), budget=True)
+    assert full.FRICTION
+    assert full.ROTATES
+    assert full.BASE == 3
+
+
+def test_work_that_a_scene_lacks_is_not_compiled() -> None:
+    """Law: in the machine code of the lean loop nothing writes torques: of its arrays no store goes beyond those of force, x and v."""
+    lean, full = (Simulation(gas(friction=friction)) for friction in ("none", "classic_history"))
+    sizes = []
+    for simulation in (lean, full):
+        simulation.setup()
+        (code,) = simulation._kernel.act.inspect_asm().values() if simulation._kernel.act.signatures else ("",)
+        sizes.append(len(code))
+    if all(sizes):  # a loop from the cache has no listing
+        assert sizes[0] < 0.5 * sizes[1]
+
+
+EXTRA = {
+    "friction of mu 0": lambda s: replace(s, pair=law((1, 1), mu=0.0)),
+    "gravity 0": lambda s: replace(s, forces=(Gravity((0.0, 0.0, 0.0)),)),
+    "a wall far away": lambda s: replace(s, walls=(Wall("floor", Slab(2, lo=-0.9), law((1,))),)),
+    "a frozen group without members": lambda s: replace(s, forces=(Freeze(5),)),
+    "periodic faces far away": lambda s: replace(s, box=Box(np.full(3, -1.0), np.full(3, 1.0), ("pp", "pp", "pp"))),
+    "another size far away": lambda s: _with_another(s, 2 * RADIUS, 1),
+    "another law far away": lambda s: _with_another(s, RADIUS, 2),
+    "a particle that nothing moves": lambda s: _with_another(s, RADIUS, 1, mask=1),
+}
+
+
+def _with_another(scene: Scene, radius: float, kind: int, mask: int = 3) -> Scene:
+    """One more sphere in a corner, of its own size or type; group 1 moves, and holds all but a sphere of mask 1."""
+    p, extra = scene.particles, spheres(np.full((1, 3), 0.5), np.array([radius]))
+    both = {name: np.concatenate([getattr(p, name), getattr(extra, name)]) for name in Particles.__dataclass_fields__}
+    both["id"][-1], both["type"][-1] = len(both["id"]), kind
+    both["mask"][:], both["mask"][-1] = 3, mask
+    pair = scene.pair
+    assert pair is not None
+    if kind == 2:
+        wide = {name: np.array([[value[0, 0], 2 * value[0, 0]], [2 * value[0, 0], 3 * value[0, 0]]]) for name, value in pair.coefficients.items()}
+        pair = replace(pair, coefficients=wide)
+    return replace(scene, particles=Particles(**both), ntypes=kind, pair=pair, integrate=(NveSphere(1),))
+
+
+@pytest.mark.parametrize("extra", EXTRA)
+def test_the_lean_loop_gives_the_bits_of_the_full_one(extra: str) -> None:
+    """Law: parts that do nothing in a scene, but must be compiled for it, change no bit of its motion."""
+    lean, full = gas(), EXTRA[extra](gas())
+    assert source(lean, features(lean)) != source(full, features(full)) or extra == "a particle that nothing moves"
+    assert same(after(lean), after(full))
+
+
+@pytest.mark.parametrize("keep", ["budget", "virial"])
+def test_books_change_no_bit(keep: str) -> None:
+    """Law: keeping the energy budget or the virial changes no bit of the motion."""
+    scene = gas(friction="classic_history")
+    assert same(after(scene), after(scene, **{keep: True}))
+
+
+def pile(n: int = 3 * CHUNK + 100, friction: str = "classic_history", *, outlives: bool = False) -> Scene:
+    """Unequal spheres falling in a periodic box with a floor and some that are held fast: several chunks, all kinds of pairs."""
+    rng = np.random.default_rng(4)
+    cells = int(np.ceil((n / 3) ** (1 / 3)))
+    grid = np.stack(np.meshgrid(np.arange(cells), np.arange(cells), np.arange(3 * cells), indexing="ij"), axis=-1).reshape(-1, 3)
+    grid = grid[np.argsort(grid[:, 2], kind="stable")][:n]
+    radius = rng.uniform(0.7, 1.0, n) * RADIUS
+    pitch = 1.9 * RADIUS
+    p = spheres((grid + 0.5) * pitch + rng.uniform(-1, 1, (n, 3)) * 0.1 * RADIUS, radius, v=rng.normal(0, 0.2, (n, 3)))
+    p = replace(p, mask=np.where(rng.random(n) < 0.1, 5, 3))
+    box = Box(np.zeros(3), np.array([cells * pitch, cells * pitch, 1.0]), ("pp", "pp", "ff"))
+    return Scene(
+        box, p, 1, 2e-5, pair=law((1, 1), friction=friction), walls=(Wall("floor", Slab(2, lo=0.0), law((1,))),),
+        forces=(Gravity((0.0, 0.0, -9.81)), Freeze(2)), integrate=(NveSphere(1),), neighbor=Neighbor(0.001), history_outlives_contact=outlives,
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("outlives", [False, True])
+def test_any_number_of_threads_gives_the_same_bits(outlives: bool) -> None:
+    """Law: one, two and three threads leave the same bits, over list renewals, across chunks and periodic faces."""
+    scene = pile(outlives=outlives)
+    one, two, three = (after(scene, 120, threads=threads) for threads in (1, 2, 3))
+    for other in (two, three):
+        assert np.array_equal(one.x, other.x)
+        assert np.array_equal(one.omega, other.omega)
+
+
+def test_the_budget_is_the_same_on_threads() -> None:
+    """Law: the account of energy has the same bits on two threads."""
+    found = []
+    for threads in (1, 2):
+        simulation = Simulation(pile(2 * CHUNK + 50), threads=threads, budget=True)
+        simulation.setup()
+        simulation.advance(60)
+        found.append(simulation.energy_budget())
+    assert found[0] == found[1]
+
+
+@pytest.mark.parametrize("speed", [1.0, 5.0, 30.0])
+@pytest.mark.parametrize("periodic", [False, True])
+def test_the_near_list_misses_no_contact(speed: float, periodic: bool) -> None:
+    """Law: pairs left out of the near list could not have touched: one long run is 400 runs of one step, which renew it every time, bit for bit."""
+    scene = gas(80, speed=speed, friction="classic_history", periodic=periodic)
+    one = Simulation(scene)
+    one.setup()
+    for _ in range(400):
+        one.advance(1)
+    assert not np.array_equal(one.particles().v, scene.particles.v)
+    assert same(one.particles(), after(scene, 400))
+
+
+def test_outside_the_order_is_the_scenes() -> None:
+    """Law: the scene's order of particles is kept outside whatever order is used inside: shuffled particles move alike."""
+    scene = pile()
+    n = len(scene.particles.id)
+    shuffle = np.random.default_rng(9).permutation(n)
+    shuffled = replace(scene, particles=Particles(*(getattr(scene.particles, name)[shuffle] for name in Particles.__dataclass_fields__)))
+    simulation = Simulation(shuffled)
+    simulation.setup()
+    first = Simulation(scene)
+    first.setup()
+    assert np.array_equal(simulation.id, scene.particles.id[shuffle])
+    scale = np.abs(first.bodies.force).max()  # sums of a few forces in another order
+    assert np.abs(simulation.bodies.force - first.bodies.force[shuffle]).max() < 1e-13 * scale
+    assert np.array_equal(simulation.bodies.radius, scene.particles.radius[shuffle])
+    assert np.array_equal(simulation.image, first.image[shuffle])
+
+
+def test_the_lost_are_named_rightly() -> None:
+    """Law: who leaves a box of several chunks is named by its own id, and the others stay who they are."""
+    scene = pile()
+    v = np.zeros_like(scene.particles.v)
+    v[1234] = (0.0, 0.0, 1000.0)
+    up = replace(scene, particles=replace(scene.particles, v=v, mask=np.full(len(v), 3)), forces=())
+    simulation = Simulation(up)
+    simulation.setup()
+    with pytest.raises(LostParticles, match=r"1 particles left the box .* with id 1235$"):
+        simulation.advance(100)
+    careless = Simulation(replace(up, lost="ignore"))
+    careless.setup()
+    careless.advance(100)
+    assert np.array_equal(careless.id, np.delete(scene.particles.id, 1234))
+    assert np.array_equal(careless.bodies.radius, np.delete(scene.particles.radius, 1234))
+
+
+def test_a_run_goes_on_where_another_left_off() -> None:
+    """Law: a run in two parts with continue_with between is the whole run but for the renewal of lists: contacts keep what they remember."""
+    scene = pile()
+    whole = Simulation(scene)
+    whole.setup()
+    whole.advance(60)
+    part = Simulation(scene)
+    part.setup()
+    part.advance(30)
+    rest = part.continue_with(replace(scene, particles=part.particles(), box=part.box()))
+    contacts = part.pairs
+    assert np.array_equal(rest.pairs.memory, contacts.memory)
+    assert np.array_equal(rest.pairs.i, contacts.i)
+    rest.advance(0)
+    rest.setup()
+    rest.advance(30)
+    # set-up gives contact forces whole velocities for once, as the engines do
+    assert np.abs(rest.bodies.x - whole.bodies.x).max() < 1e-3 * np.abs(whole.bodies.x - part.bodies.x).max()
+
+
+def test_empty_scenes_and_single_particles_run() -> None:
+    """Law: no particle, one particle, and one with its own image run."""
+    for n in (0, 1):
+        scene = gas(n) if n else replace(gas(1), particles=Particles(*(getattr(gas(1).particles, f)[:0] for f in Particles.__dataclass_fields__)))
+        assert len(after(scene, 10).id) == n
+    tiny = replace(gas(1, size=2.2 * RADIUS), box=Box(np.zeros(3), np.full(3, 2.2 * RADIUS), ("pp", "pp", "pp")), neighbor=Neighbor(1e-4))
+    assert len(after(tiny, 50).id) == 1
+
+
+def test_laws_without_a_table_run() -> None:
+    """Law: a law that is the same for all types gives what the table gives."""
+    pair: ContactLaw = law((2, 2))
+    scene = replace(gas(friction="classic_history"), ntypes=2, pair=pair)
+    p = replace(scene.particles, type=np.where(np.arange(60) % 2, 1, 2))
+    one = replace(scene, particles=p)
+    table = {name: value * np.array([[1.0, 1.0], [1.0, 1.0 + 1e-15]]) for name, value in pair.coefficients.items()}
+    other = replace(one, pair=replace(pair, coefficients=table))
+    assert features(one).ONE_LAW
+    assert not features(other).ONE_LAW
+    a, b = after(one, 100), after(other, 100)
+    assert np.abs(a.x - b.x).max() < 1e-13  # coefficients of one pair of types differ by four roundings
