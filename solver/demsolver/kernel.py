@@ -124,10 +124,9 @@ def sweep(mode, b, movers, p, near, shifts, equal, coefficients, ntypes, walls, 
                         c, near.chunks[c, CROSS_FIRST], near.chunks[c, CROSS_END], KEEP, b, p, near, shifts, equal, coefficients, ntypes, dt, advance, tallies[c],
                         near.lanes[t], near.past[t], near.who[t],
                     )
-            n = b.x.shape[0]
-            for t in prange(threads):
-                give_kept(t * n // threads, (t + 1) * n // threads, b, near)
         for t in prange(threads):
+            if PAIRS and chunks > 1:
+                give_kept(near.share[t] * CHUNK, near.share[t + 1] * CHUNK, b, near)
             for c in range(near.share[t], near.share[t + 1]):
                 if PAIRS:
                     contacts(

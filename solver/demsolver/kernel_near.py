@@ -15,9 +15,9 @@ from math import sqrt
 import numpy as np
 from numba import prange
 
-LEEWAY = 1e-3  # of the mean radius: how far a particle may depart from straight flight before the list is renewed
+LEEWAY = 3e-4  # of the mean radius: how far a particle may depart from straight flight before the list is renewed
 CLOSE = 1.0 + 1e-9  # for rounding
-SHORTEST, LONGEST = 4, 40  # steps between renewals
+SHORTEST, LONGEST = 2, 40  # steps between renewals
 FIRST, END, CROSS_FIRST, CROSS_END, KEPT_FIRST, KEPT_END = range(6)  # columns of near.chunks
 START_WATCH = (np.inf, 0.0, 0.0, 0)  # departure so far and allowed, sum of the changes of velocity, steps left
 
@@ -83,7 +83,7 @@ def list_near(b, movers, p, near, shifts, equal, span, leeway):
 
 @compiled
 def share_out(near, n):
-    """Cuts the chunks into runs of about the same work: a particle costs about as much as a contact."""
+    """Cuts the chunks into runs of about the same work."""
     chunks, threads = near.chunks.shape[0], near.share.shape[0] - 1
     work = 0
     for c in range(chunks):
@@ -103,8 +103,9 @@ def share_out(near, n):
 
 @inlined
 def chunk_work(c, near, n):
-    """Particles and near pairs of a chunk."""
-    return min(n, (c + 1) * CHUNK) - c * CHUNK + near.chunks[c, END] - near.chunks[c, FIRST] + near.chunks[c, CROSS_END] - near.chunks[c, CROSS_FIRST]
+    """Of a chunk: a near pair takes about as long as four particles."""
+    entries = near.chunks[c, END] - near.chunks[c, FIRST] + near.chunks[c, CROSS_END] - near.chunks[c, CROSS_FIRST]
+    return min(n, (c + 1) * CHUNK) - c * CHUNK + 4 * entries
 
 
 @shared

@@ -391,4 +391,5 @@ def _movers_first(b: Bodies, rows: Ints) -> Ints:
 def _use_threads(threads: int) -> None:
     import numba
 
+    numba.config.THREADING_LAYER_PRIORITY = ["omp", "tbb", "workqueue"]  # type: ignore[attr-defined]  # as soon as possible: OpenMP's threads wait awake
     numba.set_num_threads(min(threads, numba.config.NUMBA_NUM_THREADS))  # type: ignore[attr-defined]

@@ -60,18 +60,6 @@ def test_what_a_scene_lacks_is_not_there() -> None:
     assert full.BASE == 3
 
 
-def test_work_that_a_scene_lacks_is_not_compiled() -> None:
-    """Law: in the machine code of the lean loop nothing writes torques: of its arrays no store goes beyond those of force, x and v."""
-    lean, full = (Simulation(gas(friction=friction)) for friction in ("none", "classic_history"))
-    sizes = []
-    for simulation in (lean, full):
-        simulation.setup()
-        (code,) = simulation._kernel.act.inspect_asm().values() if simulation._kernel.act.signatures else ("",)
-        sizes.append(len(code))
-    if all(sizes):  # a loop from the cache has no listing
-        assert sizes[0] < 0.5 * sizes[1]
-
-
 EXTRA = {
     "friction of mu 0": lambda s: replace(s, pair=law((1, 1), mu=0.0)),
     "gravity 0": lambda s: replace(s, forces=(Gravity((0.0, 0.0, 0.0)),)),
