@@ -229,7 +229,7 @@ class Simulation:
         if self._has.PAIRS:
             place = self._resort()
             old, b = self._pairs, self._bodies
-            keep_frozen = self._budget or self.virial
+            keep_frozen = old.memory.shape[1] > 0 or self.virial  # what a frozen contact remembers counts again when it is set free
             new = neighbors.build(self.scene, b, self.box_lo, self.box_hi, old.memory.shape[1], frozen_pairs=keep_frozen)
             neighbors.carry(old, new, wraps, self.scene.history_outlives_contact, self._signs, b, self._shifts(), place)
             self._allot(new)

@@ -206,6 +206,24 @@ def test_a_run_goes_on_where_another_left_off() -> None:
     assert np.abs(rest.bodies.x - whole.bodies.x).max() < 1e-3 * np.abs(whole.bodies.x - part.bodies.x).max()
 
 
+def test_frozen_contacts_keep_what_they_remember() -> None:
+    """Law: a contact that is frozen and set free again goes on with the spring that it had stretched."""
+    p = spheres(np.array([[0.0, 0.0, 0.0], [1.99 * RADIUS, 0.0, 0.0]]), np.full(2, RADIUS), v=np.array([[0.0, 0.0, 0.0], [0.0, 1e-3, 0.0]]))
+    free = replace(gas(2, friction="classic_history"), particles=p)
+    first = Simulation(free)
+    first.setup()
+    first.advance(20)
+    memory = first.pairs.memory
+    still = replace(first.particles(), v=np.zeros((2, 3)), omega=np.zeros((2, 3)))
+    held = first.continue_with(replace(free, particles=still, forces=(Freeze(),), integrate=()))
+    held.setup()
+    held.advance(10)
+    assert np.abs(memory).max() > 0.0
+    again = held.continue_with(replace(free, particles=held.particles()))
+    again.setup()
+    assert again.pairs.memory == pytest.approx(memory, rel=1e-12)  # turned with a normal that rounding alone turns
+
+
 def test_empty_scenes_and_single_particles_run() -> None:
     """Law: no particle, one particle, and one with its own image run."""
     for n in (0, 1):
