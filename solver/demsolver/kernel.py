@@ -6,7 +6,7 @@ This file is read as text and placed behind a generated header, which binds, as 
                                runs on several threads; one that Python calls
     pair_contact, pair_stored, pair_reach  force and stored energy of the scene's pair law, put together from demsolver/contact; how far beyond
                                touching a contact goes on
-    wall_forces, wall_stored   all walls of the scene, one after another: of one particle; of all
+    wall_forces, wall_stored   all walls of the scene, one after another, on one particle
     move_walls                 carries moving planes on by a step
     field_forces               gravity, freeze, ... of the scene in their order, on one particle
     PAIRS, FRICTION, ROLLING, ROTATES, BEYOND, OUTLIVES, BUDGET, PERIODIC, FROZEN, VIRIAL, THREADED, SURFACE_CONTACT, TORQUE_CONTACT, SHIFTING,
@@ -97,8 +97,9 @@ def end_step(c, mode, b, movers, walls, fields, dt, advance, tally):
     for i in range(low, high):
         wall_forces(i, b, walls, dt, advance, tally)
         field_forces(i, b, fields, dt, advance, tally)
-        k = b.kick[0 if UNIFORM else i, 0]
-        jump = max(jump, k * k * (b.force[i, 0] ** 2 + b.force[i, 1] ** 2 + b.force[i, 2] ** 2))
+        if PAIRS:  # nobody else asks
+            k = b.kick[0 if UNIFORM else i, 0]
+            jump = max(jump, k * k * (b.force[i, 0] ** 2 + b.force[i, 1] ** 2 + b.force[i, 2] ** 2))
     last = min(high, movers)
     if mode == GO_ON:
         kick(low, last, 1.0 if VERLET else 0.0, b)

@@ -1,4 +1,6 @@
-"""One contact, and what it does to its two particles: a template like kernel.py, in front of it. `entry_force` is a pair; kernel_wall.py holds walls.
+"""One contact, and what it does to its two particles: a template like kernel.py, in front of it.
+
+Pairs are done in blocks: `find_touching`, `gather`, `act` (the law), `deliver`, `give`. kernel_wall.py holds walls.
 
 Memory columns of a contact: first BASE columns of the law's own; with BUDGET also what took energy in the last step: three columns each of the
 normal damping force, the tangential force, its torques on both sides, the rolling torques on both sides; then the power that a wall's motion gives
@@ -17,7 +19,7 @@ import numpy as np
 (
     DX, DY, DZ, VX, VY, VZ, WAX, WAY, WAZ, WOX, WOY, WOZ, RA, RO, MEFF, INERTIA,
     NX, NY, NZ, PX, PY, PZ, GX, GY, GZ, HX, HY, HZ, SPRING, DAMPING, FX, FY, FZ, QX, QY, QZ, SHIFT, LOSS,
-) = (BLOCK * number for number in range(38))
+) = (BLOCK * number for number in range(FIELDS))
 # The same of whole numbers: who feels it, the other, whether both do, place in the list of all pairs, row of the table of coefficients.
 FELT, OTHER, BOTH, ENTRY, LAW = (BLOCK * number for number in range(5))
 

@@ -219,11 +219,12 @@ class Simulation:
     def _relist(self) -> None:
         """What the engines do when the list is due: wrap, shrink the box, drop the lost, list the pairs, carry their memory."""
         self._check_finite("x")
-        self._check_flight()
         b = self._bodies
+        low, high = bounds_of(b.x)
+        self._check_flight(low, high)
         wraps = neighbors.wrap(b.x, self.box_lo, self.box_hi, self.scene.box.periodic)
         self._image += wraps
-        self._shrink()
+        self._shrink(low, high)
         wraps = wraps[self._check_lost()]
         self._age = 0
         if self._has.PAIRS:
@@ -280,9 +281,9 @@ class Simulation:
                 )
                 raise Unstable(message)
 
-    def _check_flight(self) -> None:
-        """Raises Unstable where a particle flew farther than through one face of the periodic box since the last list: nobody knows where it is."""
-        low, high = bounds_of(self._bodies.x)
+    def _check_flight(self, low: Floats, high: Floats) -> None:
+        """Raises Unstable where a particle flew farther than through one face of the periodic box since the last list: nobody knows where it is.
+        low, high: (3,) outermost coordinates."""
         length = np.where(self.scene.box.periodic, self.box_hi - self.box_lo, np.inf)
         if self.step > 0 and ((low < self.box_lo - length) | (high >= self.box_hi + length)).any():
             message = (
@@ -291,11 +292,10 @@ class Simulation:
             )
             raise Unstable(message)
 
-    def _shrink(self) -> None:
-        """Fits faces that follow the particles."""
-        if not len(self._bodies.x) or not any(letter in "sm" for faces in self.scene.box.boundary for letter in faces):
+    def _shrink(self, lows: Floats, highs: Floats) -> None:
+        """Fits faces that follow the particles; lows, highs: (3,) outermost coordinates, which wrapping has not changed on such axes."""
+        if not len(self._bodies.x):
             return
-        lows, highs = bounds_of(self._bodies.x)
         for axis, faces in enumerate(self.scene.box.boundary):
             low, high = float(lows[axis]) - self._margin[axis], float(highs[axis]) + self._margin[axis]
             first, second = faces[0], faces[1]

@@ -32,7 +32,7 @@ from demsolver.bind_law import (
     memory_signs,
 )  # fmt: skip
 from demsolver.bind_walls import fields_source, steady_source, wall_sweep_source, walls_source
-from demsolver.near import BLOCK
+from demsolver.near import BLOCK, FIELDS
 from demsolver.neighbors import HOME, PARTNER_FEELS
 from demsolver.scene import ContactLaw, Enforce2D, EulerSphere, Freeze, Plane, Scene, SetForce
 
@@ -203,7 +203,7 @@ def source(scene: Scene, has: Features) -> str:
         '"""Written by demsolver.specialise: the templates kernel*.py behind the laws of one scene."""',
         *compilers(has),
         f"HOME, PARTNER_FEELS = {HOME}, {PARTNER_FEELS}",
-        f"BLOCK = {BLOCK}",
+        f"BLOCK, FIELDS = {BLOCK}, {FIELDS}",
         f"ROLLING_INERTIA = {scene.rolling_inertia}",
         "TINY = 1e-200  # at zero overlap, where LIGGGHTS' walls touch already, stiffness is a limit",
         *(f"{name} = {value}" for name, value in asdict(has).items()),
