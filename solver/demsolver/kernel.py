@@ -46,27 +46,37 @@ KEEP, GIVE = np.int64(1), np.int64(0)  # what `contacts` does with what it finds
 def contacts(c, low, high, keep, b, p, near, shifts, equal, coefficients, ntypes, dt, advance, tally, lanes, past, who):
     """Contacts of the near entries low..high of chunk c, given to both particles at once, or kept until `give_kept`, because other threads may be at
     the same particles."""
-    stop = find_touching(low, high, b, p, near, shifts, equal, coefficients, ntypes, dt, advance, tally)
     w = near.chunks[c, KEPT_FIRST]
-    for begin in range(low, stop, BLOCK):
-        count = min(BLOCK, stop - begin)
-        for u in range(count):
-            gather(u, near.hit[begin + u], b, p, near, shifts, equal, ntypes, lanes, past, who)
-        act(count, equal, coefficients, dt, advance, lanes, past, who)
-        for u in range(count):
-            a, o, both = deliver(u, b, p, equal, dt, advance, tally, lanes, past, who)
-            if THREADED and keep == KEEP:
-                near.kept_pair[w, 0], near.kept_pair[w, 1] = a, o if both else -1
-                for d in range(3):
-                    near.kept_action[w, d] = lanes[PX + d * BLOCK + u]
-                    if FRICTION or ROLLING:
-                        near.kept_action[w, 3 + d] = lanes[GX + d * BLOCK + u]
-                        near.kept_action[w, 6 + d] = lanes[(GX if SAME_TORQUE else HX) + d * BLOCK + u]
-                w += 1
-            else:
-                give(b, a, o, both, u, lanes)
+    u = 0
+    for q in range(low, high):
+        u += look(q, u, b, p, near, shifts, equal, coefficients, ntypes, dt, advance, tally, lanes, who)
+        if u == BLOCK:
+            w = do_block(u, w, keep, b, p, near, equal, coefficients, ntypes, dt, advance, tally, lanes, past, who)
+            u = 0
+    w = do_block(u, w, keep, b, p, near, equal, coefficients, ntypes, dt, advance, tally, lanes, past, who)
     if THREADED and keep == KEEP:
         near.chunks[c, KEPT_END] = w
+
+
+@compiled
+def do_block(count, w, keep, b, p, near, equal, coefficients, ntypes, dt, advance, tally, lanes, past, who):
+    """The contacts in the lanes 0..count; w: where what is kept goes, returned as it then is."""
+    for u in range(count):
+        gather(u, b, p, equal, ntypes, lanes, past, who)
+    act(count, equal, coefficients, dt, advance, lanes, past, who)
+    for u in range(count):
+        a, o, both = deliver(u, b, p, equal, dt, advance, tally, lanes, past, who)
+        if THREADED and keep == KEEP:
+            near.kept_pair[w, 0], near.kept_pair[w, 1] = a, o if both else -1
+            for d in range(3):
+                near.kept_action[w, d] = lanes[PX + d * BLOCK + u]
+                if FRICTION or ROLLING:
+                    near.kept_action[w, 3 + d] = lanes[GX + d * BLOCK + u]
+                    near.kept_action[w, 6 + d] = lanes[(GX if SAME_TORQUE else HX) + d * BLOCK + u]
+            w += 1
+        else:
+            give(b, a, o, both, u, lanes)
+    return w
 
 
 @compiled

@@ -91,28 +91,26 @@ def between(a, o, s, x, shifts):
     return x[a, 0] - x[o, 0], x[a, 1] - x[o, 1], x[a, 2] - x[o, 2]
 
 
-@compiled
-def find_touching(low, high, b, p, near, shifts, equal, coefficients, ntypes, dt, advance, tally):
-    """Puts the entries of low..high that touch into near.hit, from low on; returns their end. Contacts that have ended are settled.
+@inlined
+def look(q, u, b, p, near, shifts, equal, coefficients, ntypes, dt, advance, tally, lanes, who):
+    """Entry q goes into lane u; returns whether it touches, 1 or 0. A contact that has ended is settled.
 
-    Whether a near pair touches is hard to foretell: this loop does without asking, so that the next one has only contacts.
+    Whether a near pair touches is hard to foretell: nothing here asks, so that a lane that does not touch is just taken by the next.
     """
-    found = low
-    for q in range(low, high):
-        a, o, s, both = feels(q, near)
-        k = np.int64(near.entry[q])
-        dx, dy, dz = between(a, o, s, b.x, shifts)
-        ri, rj = (equal[0], equal[0]) if UNIFORM else (b.radius[a], b.radius[o])
-        reach = ri + rj
-        beyond = reach
-        if BEYOND and p.touching[k] & 1:
-            beyond += pair_reach(ri * rj / reach, coefficients, 0 if ONE_LAW else b.kind[a] * ntypes + b.kind[o])
-        touches = np.int64(dx * dx + dy * dy + dz * dz < beyond * beyond)
-        near.hit[found] = q
-        found += touches
-        if (p.touching[k] & 1) > touches:
-            end_contact(k, a, o, both, reach - beyond, b, p, equal, coefficients, ntypes, dt, advance, tally)
-    return found
+    a, o, s, both = feels(q, near)
+    k = np.int64(near.entry[q])
+    dx, dy, dz = between(a, o, s, b.x, shifts)
+    lanes[DX + u], lanes[DY + u], lanes[DZ + u] = dx, dy, dz
+    who[FELT + u], who[OTHER + u], who[BOTH + u], who[ENTRY + u] = a, o, both, k
+    ra, ro = (equal[0], equal[0]) if UNIFORM else (b.radius[a], b.radius[o])
+    reach = ra + ro
+    beyond = reach
+    if BEYOND and p.touching[k] & 1:
+        beyond += pair_reach(ra * ro / reach, coefficients, 0 if ONE_LAW else b.kind[a] * ntypes + b.kind[o])
+    touches = np.int64(dx * dx + dy * dy + dz * dz < beyond * beyond)
+    if (p.touching[k] & 1) > touches:
+        end_contact(k, a, o, both, reach - beyond, b, p, equal, coefficients, ntypes, dt, advance, tally)
+    return touches
 
 
 @compiled
@@ -134,13 +132,10 @@ def end_contact(k, a, o, both, overlap, b, p, equal, coefficients, ntypes, dt, a
 
 
 @inlined
-def gather(u, q, b, p, near, shifts, equal, ntypes, lanes, past, who):
-    """Lane u gets what the law asks of entry q, which touches. equal: radius and mass of all (UNIFORM)."""
-    a, o, s, both = feels(q, near)
-    k = np.int64(near.entry[q])
-    who[FELT + u], who[OTHER + u], who[BOTH + u], who[ENTRY + u] = a, o, both, k
+def gather(u, b, p, equal, ntypes, lanes, past, who):
+    """Lane u, which touches, gets the rest of what the law asks. equal: radius and mass of all (UNIFORM)."""
+    a, o, k = who[FELT + u], who[OTHER + u], who[ENTRY + u]
     p.touching[k] = 3 if OUTLIVES else 1
-    lanes[DX + u], lanes[DY + u], lanes[DZ + u] = between(a, o, s, b.x, shifts)
     lanes[VX + u], lanes[VY + u], lanes[VZ + u] = b.v[a, 0] - b.v[o, 0], b.v[a, 1] - b.v[o, 1], b.v[a, 2] - b.v[o, 2]
     if FRICTION or ROLLING:
         lanes[WAX + u], lanes[WAY + u], lanes[WAZ + u] = b.omega[a, 0], b.omega[a, 1], b.omega[a, 2]

@@ -45,11 +45,11 @@ def near_chunk(c, b, movers, p, near, shifts, equal, span, leeway):
         square = dx * dx + dy * dy + dz * dz
         # without a square root: distance - closing speed * span < close, times the distance
         ahead = square - max(closing, 0.0) * span
-        near.hit[found] = k
+        near.listing[found] = k
         found += np.int64((ahead <= 0.0) | (ahead * ahead < close * close * square) | (p.touching[k] & 1 != 0))
     q, u = near.chunks[c, FIRST], near.chunks[c, CROSS_FIRST]
     for h in range(begin, found):
-        k = np.int64(near.hit[h])
+        k = np.int64(near.listing[h])
         if p.partner[k] < stop:
             take(q, k, p, near)
             q += 1

@@ -22,7 +22,7 @@ from demsolver.state import Bodies, Floats, Ints, Pairs, bodies_of, inertia_of, 
 _SAID = {"x": "positions", "v": "velocities", "omega": "spins", "force": "forces", "torque": "torques"}
 SORT_FROM = CHUNK
 """Fewer particles than this fit a core's cache in any order."""
-SORT_EVERY = 8
+SORT_EVERY = 24
 """Lists between two sortings: neighbours drift apart slowly."""
 BEGIN, MIDDLE, SETUP = 0, 1, 2  # where kernel.run_steps starts
 NOT_SOLVED = -2  # what an implicit step may answer; else -1: out of the list
@@ -225,7 +225,7 @@ class Simulation:
         wraps = neighbors.wrap(b.x, self.box_lo, self.box_hi, self.scene.box.periodic)
         self._image += wraps
         self._shrink(low, high)
-        wraps = wraps[self._check_lost()]
+        wraps = self._without_lost(wraps)
         self._age = 0
         if self._has.PAIRS:
             place = self._resort()
@@ -304,8 +304,8 @@ class Simulation:
             if second in "sm":
                 self.box_hi[axis] = high if second == "s" else max(high, self.scene.box.hi[axis])
 
-    def _check_lost(self) -> np.ndarray:
-        """Drops what left through a fixed face, or raises LostParticles. Returns (n,) which of the rows stayed."""
+    def _without_lost(self, wraps: Ints) -> Ints:
+        """Drops what left through a fixed face, or raises LostParticles. Returns the rows of wraps (n, 3) that stayed."""
         x = self._bodies.x
         gone = np.zeros(len(x), dtype=bool)
         for axis, faces in enumerate(self.scene.box.boundary):
@@ -319,7 +319,8 @@ class Simulation:
                 message = f"{int(gone.sum())} particles left the box by step {self.step}, the first with id {first}"
                 raise LostParticles(message)
             self._delete(~gone)
-        return ~gone
+            return wraps[~gone]
+        return wraps
 
     def _delete(self, keep: np.ndarray) -> None:
         stays = np.zeros(len(self.id), dtype=bool)
