@@ -46,6 +46,7 @@ class Meter:
     start: int
     began: float
     checks: StepChecks = field(default_factory=StepChecks)
+    _seen: dict[int, Particles] = field(default_factory=dict)
 
     def value(self, keyword: str, *, normalise: bool) -> float:
         """The value of a thermo keyword, c_ID, c_ID[i], f_ID[i] or v_NAME. normalise: extensive values per particle (thermo_modify norm yes).
@@ -69,6 +70,14 @@ class Meter:
         raise InputError(message)
 
     @property
+    def particles(self) -> Particles:
+        """The particles at this step, copied out of the simulation once."""
+        if self.simulation.step not in self._seen:
+            self._seen.clear()
+            self._seen[self.simulation.step] = self.simulation.particles()
+        return self._seen[self.simulation.step]
+
+    @property
     def count(self) -> int:
         """Number of particles."""
         return len(self.simulation.id)
@@ -81,8 +90,7 @@ class Meter:
     @property
     def kinetic(self) -> float:
         """Kinetic energy; zero for one particle, to which the engines leave no degree of freedom."""
-        b = self.simulation.bodies
-        return ke(b.mass, b.v) if self.degrees > 0 else 0.0
+        return ke(self.particles.mass, self.particles.v) if self.degrees > 0 else 0.0
 
     @property
     def temperature(self) -> float:
@@ -118,7 +126,7 @@ class Meter:
         return number / self.count if normalise and extensive and self.count else number
 
     def _members(self, group: str) -> Particles:
-        everything = self.simulation.particles()
+        everything = self.particles
         chosen = selected(everything.mask, self.setup.groups[group])
         return (
             everything if chosen.all() else Particles(*(getattr(everything, f)[chosen] for f in Particles.__dataclass_fields__))
@@ -130,9 +138,9 @@ class Meter:
         if mode not in REDUCE or wanted not in COLUMNS:
             message = f"compute reduce {mode} {wanted} is not supported; modes: {' '.join(REDUCE)}; inputs: {' '.join(COLUMNS)}"
             raise InputError(message, spec.place)
-        chosen = selected(self.simulation.bodies.mask, self.setup.groups[spec.group])
-        b = self.simulation.bodies
-        snapshot = Snapshot(self.simulation.step, self.simulation.box(), members, b.force[chosen], b.torque[chosen], members.id)
+        chosen = selected(self.particles.mask, self.setup.groups[spec.group])
+        force, torque = self.simulation.forces()
+        snapshot = Snapshot(self.simulation.step, self.simulation.box(), members, force[chosen], torque[chosen], members.id)
         return REDUCE[mode](COLUMNS[wanted](snapshot).astype(np.float64)), mode in EXTENSIVE_MODES
 
 
@@ -150,10 +158,10 @@ _KEYWORDS: dict[str, Callable[[Meter], float]] = {
     "etotal": lambda m: m.kinetic,
     "temp": lambda m: m.temperature,
     "press": lambda m: m.pressure,
-    "erotate": lambda m: _ENERGIES["erotate"](m.simulation.particles()),
+    "erotate": lambda m: _ENERGIES["erotate"](m.particles),
     "elapsed": lambda m: m.simulation.step - m.start,
     "cpu": lambda m: perf_counter() - m.began if m.simulation.step > m.start else 0.0,
-    "density": lambda m: float(m.simulation.bodies.mass.sum() / np.prod(m.simulation.box_hi - m.simulation.box_lo)),
+    "density": lambda m: float(m.particles.mass.sum() / np.prod(m.simulation.box_hi - m.simulation.box_lo)),
 }
 KEYWORDS = (*_STATE_KEYWORDS, *_KEYWORDS)
 _EXTENSIVE = ("ke", "etotal", "erotate")

@@ -175,12 +175,12 @@ class NativeBackend:
 
     def _advance(self, simulation: Simulation, run: _Run) -> None:
         """To the next output, in portions short enough to show progress."""
-        goal, portion = run.next_output(), 1
+        goal = run.next_output()
         while simulation.step < goal:
-            began = perf_counter()
-            simulation.advance(min(portion, goal - simulation.step))
+            began, steps = perf_counter(), min(run.portion, goal - simulation.step)
+            simulation.advance(steps)
             spent = perf_counter() - began
-            portion = max(1, int(portion * min(8.0, PATIENCE_S / max(spent, 1e-6))))
+            run.portion = max(1, run.portion if steps < run.portion and spent < PATIENCE_S else int(steps * min(8.0, PATIENCE_S / max(spent, 1e-6))))
             if self._progress:
                 self._progress(simulation.step - run.start, run.steps)
 
@@ -195,6 +195,7 @@ class _Run:
 
         self.backend, self.setup, self.simulation, self.steps = backend, setup, simulation, steps
         self.start, self.end = setup.step, setup.step + steps
+        self.portion = 1  # steps that may be done before the next sign of life
         self.meter = Meter(setup, simulation, self.start, perf_counter(), backend._checks)
         self.table = ThermoTable(keywords_of(setup), setup.dialect, thermo_formats(setup.thermo), setup.thermo.place)
         self._head = self.table.header()
@@ -214,7 +215,7 @@ class _Run:
         from demverify.formats.atomic import undisturbed
 
         step, thermo = self.simulation.step, self.setup.thermo
-        _bring_back(self.setup, self.simulation)
+        self._bring_back()
         if step > self.start:
             self.backend._checks.update(self.setup, self.simulation)
         with undisturbed():
@@ -274,6 +275,20 @@ class _Run:
         if backend._budget:
             backend.outputs.budgets.append((step, self.setup.time, self.simulation.energy_budget()))
 
+    def _bring_back(self) -> None:
+        """The deck sees the particles, the box and the time of the simulation."""
+        from demverify.deck.setup import Atoms
+
+        setup, simulation, p = self.setup, self.simulation, self.meter.particles
+        assert setup.atoms is not None
+        molecule = setup.atoms.molecule
+        if len(p.id) < len(setup.atoms.id):
+            molecule = molecule[np.isin(setup.atoms.id, p.id)]
+        setup.atoms = Atoms(p.id, p.type, p.x, p.v, p.omega, p.radius, p.mass, p.mask, p.image, molecule)
+        setup.box = simulation.box()
+        setup.time += (simulation.step - setup.step) * setup.dt
+        setup.step = simulation.step
+
     def _snapshot(self, group: str) -> Snapshot:
         from demsolver.scene import Particles
         from demsolver.state import selected
@@ -281,29 +296,17 @@ class _Run:
 
         sim, atoms = self.simulation, self.setup.atoms
         assert atoms is not None
-        p, molecule = sim.particles(), atoms.molecule[np.isin(atoms.id, sim.id)]
+        p, molecule = self.meter.particles, atoms.molecule
         chosen = selected(p.mask, self.setup.groups[group])
         if not chosen.all():
             p, molecule = Particles(*(getattr(p, f)[chosen] for f in Particles.__dataclass_fields__)), molecule[chosen]
-        b = sim.bodies
-        return Snapshot(sim.step, sim.box(), p, b.force[chosen], b.torque[chosen], molecule, self.setup.dimension)
+        force, torque = sim.forces()
+        return Snapshot(sim.step, sim.box(), p, force[chosen], torque[chosen], molecule, self.setup.dimension)
 
 
 def normalised(setup: Setup) -> bool:
     """Whether extensive thermo values are per particle: thermo_modify norm, by default yes for lj units only."""
     return setup.thermo.modify.get("norm", "yes" if setup.units == "lj" else "no") == "yes"
-
-
-def _bring_back(setup: Setup, simulation: Simulation) -> None:
-    """The deck sees the particles, the box and the time of the simulation."""
-    from demverify.deck.setup import Atoms
-
-    assert setup.atoms is not None
-    p, kept = simulation.particles(), np.isin(setup.atoms.id, simulation.id)
-    setup.atoms = Atoms(p.id, p.type, p.x, p.v, p.omega, p.radius, p.mass, p.mask, p.image, setup.atoms.molecule[kept])
-    setup.box = simulation.box()
-    setup.time += (simulation.step - setup.step) * setup.dt
-    setup.step = simulation.step
 
 
 class Native:

@@ -150,12 +150,18 @@ class Simulation:
         return replace(self.scene, particles=self.particles())
 
     def particles(self) -> Particles:
-        """The particles as they are now."""
-        b = self.bodies
+        """The particles as they are now: copies."""
+        b, order = self._bodies, self._order
+        omega = _outside(b.omega, order) if self._has.ROTATES else self._still.copy()
         return Particles(
-            id=self.id.copy(), type=b.kind + 1, x=b.x, v=b.v, omega=b.omega, radius=b.radius,
-            mass=b.mass, mask=b.mask, image=self.image,
+            id=self.id.copy(), type=_outside(b.kind, order) + 1, x=_outside(b.x, order), v=_outside(b.v, order), omega=omega,
+            radius=_outside(b.radius, order), mass=_outside(b.mass, order), mask=_outside(b.mask, order), image=self.image,
         )  # fmt: skip
+
+    def forces(self) -> tuple[Floats, Floats]:
+        """Forces and torques (n, 3) as they are now: copies."""
+        force = _outside(self._bodies.force, self._order)
+        return force, _outside(self._bodies.torque, self._order) if self._has.ROTATES else np.zeros_like(force)
 
     def box(self) -> Box:
         """The box as it is now: shrink-wrapped faces follow the particles at every list rebuild."""
