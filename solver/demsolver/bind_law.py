@@ -107,7 +107,7 @@ def contact_source(name: str, law: ContactLaw, *, one: bool = False, lanes: bool
     parts = [_contact, _stored, _reach, _rolling_share, *([_solve] if is_implicit(law) else [])]
     sources = ["\n".join(part(name, law)) for part in parts]
     if lanes:
-        sources[0] = re.sub(r"memory\[k, (\d+)\]", r"memory[\1 * BLOCK + k]", sources[0])
+        sources[0] = re.sub(r"memory\[k, (\d+)\]", r"memory[np.uint64(\1 * BLOCK) + k]", sources[0])
     text = "\n\n".join(sources) + "\n\n"
     return text.replace("coefficients[row, ", "coefficients[") if one else text
 

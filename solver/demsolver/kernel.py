@@ -38,7 +38,7 @@ import numpy as np
 from numba import prange
 
 FORCES, FINISH, GO_ON = 0, 1, 2  # modes of a sweep
-NONE = np.int64(0)
+NONE, NOBODY = np.int64(0), np.uint64(0)
 KEEP, GIVE = np.int64(1), np.int64(0)  # what `contacts` does with what it finds
 
 
@@ -47,12 +47,12 @@ def contacts(c, low, high, keep, b, p, near, shifts, equal, coefficients, ntypes
     """Contacts of the near entries low..high of chunk c, given to both particles at once, or kept until `give_kept`, because other threads may be at
     the same particles."""
     w = near.chunks[c, KEPT_FIRST]
-    u = 0
-    for q in range(low, high):
+    u = NOBODY
+    for q in range(np.uint64(low), np.uint64(high)):
         u += look(q, u, b, p, near, shifts, equal, coefficients, ntypes, dt, advance, tally, lanes, who)
         if u == BLOCK:
             w = do_block(u, w, keep, b, p, near, equal, coefficients, ntypes, dt, advance, tally, lanes, past, who)
-            u = 0
+            u = NOBODY
     w = do_block(u, w, keep, b, p, near, equal, coefficients, ntypes, dt, advance, tally, lanes, past, who)
     if THREADED and keep == KEEP:
         near.chunks[c, KEPT_END] = w
@@ -67,12 +67,12 @@ def do_block(count, w, keep, b, p, near, equal, coefficients, ntypes, dt, advanc
     for u in range(count):
         a, o, both = deliver(u, b, p, equal, dt, advance, tally, lanes, past, who)
         if THREADED and keep == KEEP:
-            near.kept_pair[w, 0], near.kept_pair[w, 1] = a, o if both else -1
-            for d in range(3):
-                near.kept_action[w, d] = lanes[PX + d * BLOCK + u]
-                if FRICTION or ROLLING:
-                    near.kept_action[w, 3 + d] = lanes[GX + d * BLOCK + u]
-                    near.kept_action[w, 6 + d] = lanes[(GX if SAME_TORQUE else HX) + d * BLOCK + u]
+            near.kept_pair[w, 0], near.kept_pair[w, 1] = np.int64(a), np.int64(o) if both else -1
+            kept = near.kept_action[w]
+            kept[0], kept[1], kept[2] = lanes[PX + u], lanes[PY + u], lanes[PZ + u]
+            if FRICTION or ROLLING:
+                kept[3], kept[4], kept[5] = lanes[GX + u], lanes[GY + u], lanes[GZ + u]
+                kept[6], kept[7], kept[8] = lanes[TORQUE[0] + u], lanes[TORQUE[1] + u], lanes[TORQUE[2] + u]
             w += 1
         else:
             give(b, a, o, both, u, lanes)
@@ -98,7 +98,7 @@ def give_kept(low, high, b, near):
 
 
 @compiled
-def end_step(c, mode, b, movers, walls, fields, dt, advance, tally):
+def end_step(c, mode, b, flat, movers, walls, fields, dt, advance, tally):
     """What chunk c still has to do behind its contacts: walls, fields and, by `mode`, motion: no more than FORCES; FINISH the step; GO_ON to the next
     positions. Returns the largest squared change of a velocity on the way there.
     """
@@ -112,16 +112,16 @@ def end_step(c, mode, b, movers, walls, fields, dt, advance, tally):
             jump = max(jump, k * k * (b.force[i, 0] ** 2 + b.force[i, 1] ** 2 + b.force[i, 2] ** 2))
     last = min(high, movers)
     if mode == GO_ON:
-        kick(low, last, 1.0 if VERLET else 0.0, b)
-        drift(low, last, b, dt)
+        kick(low, last, 1.0 if VERLET else 0.0, flat)
+        drift(low, last, flat, dt)
         clear(low, high, b)
     elif mode == FINISH and VERLET:
-        kick(low, last, 0.0, b)
+        kick(low, last, 0.0, flat)
     return 4.0 * jump if VERLET else jump
 
 
 @threaded
-def sweep(mode, b, movers, p, near, shifts, equal, coefficients, ntypes, walls, fields, dt, advance, tallies, paces):
+def sweep(mode, b, flat, movers, p, near, shifts, equal, coefficients, ntypes, walls, fields, dt, advance, tallies, paces):
     """Forces at the present positions and, by `mode`, the motion to the next. Returns the largest squared change of a velocity on the way."""
     chunks = tallies.shape[0]
     if VIRIAL:
@@ -144,7 +144,7 @@ def sweep(mode, b, movers, p, near, shifts, equal, coefficients, ntypes, walls, 
                         c, near.chunks[c, FIRST], near.chunks[c, END], GIVE, b, p, near, shifts, equal, coefficients, ntypes, dt, advance, tallies[c],
                         near.lanes[t], near.past[t], near.who[t],
                     )
-                paces[c] = end_step(c, mode, b, movers, walls, fields, dt, advance, tallies[c])
+                paces[c] = end_step(c, mode, b, flat, movers, walls, fields, dt, advance, tallies[c])
     else:
         for part in range(2):
             for c in range(chunks):
@@ -155,7 +155,7 @@ def sweep(mode, b, movers, p, near, shifts, equal, coefficients, ntypes, walls, 
                         near.lanes[0], near.past[0], near.who[0],
                     )
                 if part == 1:
-                    paces[c] = end_step(c, mode, b, movers, walls, fields, dt, advance, tallies[c])
+                    paces[c] = end_step(c, mode, b, flat, movers, walls, fields, dt, advance, tallies[c])
     jump = 0.0
     for c in range(chunks):
         jump = max(jump, paces[c])
@@ -163,11 +163,12 @@ def sweep(mode, b, movers, p, near, shifts, equal, coefficients, ntypes, walls, 
 
 
 @entry
-def run_steps(start, steps, age, rhythm, b, movers, p, near, shifts, equal, coefficients, ntypes, walls, fields, dt, tallies, paces):
+def run_steps(start, steps, age, rhythm, b, flat, movers, p, near, shifts, equal, coefficients, ntypes, walls, fields, dt, tallies, paces):
     """Runs until `steps` are done or the list is due; returns (steps done, age of the list, list due in mid-step?).
 
     start: 0 at the begin of a step; 1 in mid-step, behind the renewal of the list; 2 set-up: forces only, histories stay.
     rhythm: (every, delay, check, squared half skin) as LAMMPS' neigh_modify. movers: how many particles move; they stand in the first rows.
+    flat: see state.Flat.
     """
     every, delay, check, reach = rhythm
     n = b.x.shape[0]
@@ -175,8 +176,8 @@ def run_steps(start, steps, age, rhythm, b, movers, p, near, shifts, equal, coef
     jump = 0.0
     watch = START_WATCH
     if start == 0 and steps > 0:
-        kick(NONE, movers, 0.0, b)
-        drift(NONE, movers, b, dt)
+        kick(NONE, movers, 0.0, flat)
+        drift(NONE, movers, flat, dt)
     if steps > 0 or start == 2:
         clear(NONE, n, b)
     if start != 0:
@@ -198,7 +199,7 @@ def run_steps(start, steps, age, rhythm, b, movers, p, near, shifts, equal, coef
             if watch[0] == 0.0:
                 fastest = top_speed(movers, b)
         mode = FORCES if start == 2 else (GO_ON if done + 1 < steps else FINISH)
-        jump = sweep(mode, b, movers, p, near, shifts, equal, coefficients, ntypes, walls, fields, dt, start != 2, tallies, paces)
+        jump = sweep(mode, b, flat, movers, p, near, shifts, equal, coefficients, ntypes, walls, fields, dt, start != 2, tallies, paces)
         if start == 2:
             break
         fastest += sqrt(jump)

@@ -19,9 +19,11 @@ import numpy as np
 (
     DX, DY, DZ, VX, VY, VZ, WAX, WAY, WAZ, WOX, WOY, WOZ, RA, RO, MEFF, INERTIA,
     NX, NY, NZ, PX, PY, PZ, GX, GY, GZ, HX, HY, HZ, SPRING, DAMPING, FX, FY, FZ, QX, QY, QZ, SHIFT, LOSS,
-) = (BLOCK * number for number in range(FIELDS))
+) = (np.uint64(BLOCK * number) for number in range(FIELDS))
 # The same of whole numbers: who feels it, the other, whether both do, place in the list of all pairs, row of the table of coefficients.
-FELT, OTHER, BOTH, ENTRY, LAW = (BLOCK * number for number in range(5))
+FELT, OTHER, BOTH, ENTRY, LAW = (np.uint64(BLOCK * number) for number in range(5))
+TORQUE = (GX, GY, GZ) if SAME_TORQUE else (HX, HY, HZ)  # on the other
+# Places are unsigned throughout: of a signed one Numba asks whether it counts from the end.
 
 REST = (0.0,) * 19  # `now` of a contact that has ended
 
@@ -74,7 +76,7 @@ def settle(memory, k, base, vx, vy, vz, wi, wj, half_dt, advance, tally):
 @inlined
 def feels(q, near):
     """Who feels entry q, the other, the shift between them, and whether both feel it."""
-    i, j = np.int64(near.row[q]), np.int64(near.partner[q])
+    i, j = np.uint64(near.row[q]), np.uint64(near.partner[q])
     if PERIODIC:
         s = np.int64(near.code[q])
         if s >= PARTNER_FEELS:
@@ -98,7 +100,7 @@ def look(q, u, b, p, near, shifts, equal, coefficients, ntypes, dt, advance, tal
     Whether a near pair touches is hard to foretell: nothing here asks, so that a lane that does not touch is just taken by the next.
     """
     a, o, s, both = feels(q, near)
-    k = np.int64(near.entry[q])
+    k = np.uint64(near.entry[q])
     dx, dy, dz = between(a, o, s, b.x, shifts)
     lanes[DX + u], lanes[DY + u], lanes[DZ + u] = dx, dy, dz
     who[FELT + u], who[OTHER + u], who[BOTH + u], who[ENTRY + u] = a, o, both, k
@@ -107,8 +109,8 @@ def look(q, u, b, p, near, shifts, equal, coefficients, ntypes, dt, advance, tal
     beyond = reach
     if BEYOND and p.touching[k] & 1:
         beyond += pair_reach(ra * ro / reach, coefficients, 0 if ONE_LAW else b.kind[a] * ntypes + b.kind[o])
-    touches = np.int64(dx * dx + dy * dy + dz * dz < beyond * beyond)
-    if (p.touching[k] & 1) > touches:
+    touches = np.uint64(dx * dx + dy * dy + dz * dz < beyond * beyond)
+    if (p.touching[k] & np.uint64(1)) > touches:
         end_contact(k, a, o, both, reach - beyond, b, p, equal, coefficients, ntypes, dt, advance, tally)
     return touches
 
@@ -134,7 +136,7 @@ def end_contact(k, a, o, both, overlap, b, p, equal, coefficients, ntypes, dt, a
 @inlined
 def gather(u, b, p, equal, ntypes, lanes, past, who):
     """Lane u, which touches, gets the rest of what the law asks. equal: radius and mass of all (UNIFORM)."""
-    a, o, k = who[FELT + u], who[OTHER + u], who[ENTRY + u]
+    a, o, k = np.uint64(who[FELT + u]), np.uint64(who[OTHER + u]), np.uint64(who[ENTRY + u])
     p.touching[k] = 3 if OUTLIVES else 1
     lanes[VX + u], lanes[VY + u], lanes[VZ + u] = b.v[a, 0] - b.v[o, 0], b.v[a, 1] - b.v[o, 1], b.v[a, 2] - b.v[o, 2]
     if FRICTION or ROLLING:
@@ -153,7 +155,7 @@ def gather(u, b, p, equal, ntypes, lanes, past, who):
     if not ONE_LAW:
         who[LAW + u] = b.kind[a] * ntypes + b.kind[o]
     for c in range(BASE):
-        past[c * BLOCK + u] = p.memory[k, c]
+        past[np.uint64(c * BLOCK) + u] = p.memory[k, c]
 
 
 @inlined
@@ -165,7 +167,7 @@ def rolling_inertia(ma, ra, mo, ro):
 @compiled
 def act(count, equal, coefficients, dt, advance, lanes, past, who):
     """The law in the lanes 0..count: force P on who feels it, torques G on it and H on the other, and what the books want to know."""
-    for u in range(min(count, BLOCK)):
+    for u in range(min(count, np.uint64(BLOCK))):
         dx, dy, dz = lanes[DX + u], lanes[DY + u], lanes[DZ + u]
         ra, ro = (equal[0], equal[0]) if UNIFORM else (lanes[RA + u], lanes[RO + u])
         meff = lanes[MEFF + u] if FROZEN or not UNIFORM else equal[1] * equal[1] / (equal[1] + equal[1])
@@ -221,9 +223,9 @@ def act(count, equal, coefficients, dt, advance, lanes, past, who):
 @inlined
 def deliver(u, b, p, equal, dt, advance, tally, lanes, past, who):
     """What lane u found: memory and books. Returns who feels it, the other, and whether both do."""
-    a, o, both, k = who[FELT + u], who[OTHER + u], who[BOTH + u] != 0, who[ENTRY + u]
+    a, o, both, k = np.uint64(who[FELT + u]), np.uint64(who[OTHER + u]), who[BOTH + u] != 0, np.uint64(who[ENTRY + u])
     for c in range(BASE):
-        p.memory[k, c] = past[c * BLOCK + u]
+        p.memory[k, c] = past[np.uint64(c * BLOCK) + u]
     nx, ny, nz = lanes[NX + u], lanes[NY + u], lanes[NZ + u]
     if SHIFTING:
         ma, mo = (equal[1], equal[1]) if UNIFORM else (b.mass[a], b.mass[o])
@@ -252,13 +254,12 @@ def keep_books(u, k, a, o, both, nx, ny, nz, b, p, dt, advance, tally, lanes):
     half_dt = 0.5 * dt if both else 0.25 * dt  # half a pair: the other half stands beside it, as seen from there
     damping = lanes[DAMPING + u]
     qx, qy, qz = lanes[QX + u], lanes[QY + u], lanes[QZ + u]
-    h = GX if SAME_TORQUE else HX
     ra, ro = b.radius[a], b.radius[o]
     share = pair_rolling_share(ra, ro) if ROLLING else 1.0
     gx = gy = gz = hx = hy = hz = 0.0
     if FRICTION or ROLLING:
         gx, gy, gz = lanes[GX + u] - qx, lanes[GY + u] - qy, lanes[GZ + u] - qz
-        hx, hy, hz = lanes[h + u] + share * qx, lanes[h + BLOCK + u] + share * qy, lanes[h + 2 * BLOCK + u] + share * qz
+        hx, hy, hz = lanes[TORQUE[0] + u] + share * qx, lanes[TORQUE[1] + u] + share * qy, lanes[TORQUE[2] + u] + share * qz
     now = (
         damping * nx, damping * ny, damping * nz, lanes[FX + u], lanes[FY + u], lanes[FZ + u], gx, gy, gz, hx, hy, hz,
         qx, qy, qz, -share * qx, -share * qy, -share * qz, 0.0,
@@ -292,10 +293,9 @@ def give(b, a, o, both, u, lanes):
         b.torque[a, 1] += lanes[GY + u]
         b.torque[a, 2] += lanes[GZ + u]
         if both:
-            h = GX if SAME_TORQUE else HX
-            b.torque[o, 0] += lanes[h + u]
-            b.torque[o, 1] += lanes[h + BLOCK + u]
-            b.torque[o, 2] += lanes[h + 2 * BLOCK + u]
+            b.torque[o, 0] += lanes[TORQUE[0] + u]
+            b.torque[o, 1] += lanes[TORQUE[1] + u]
+            b.torque[o, 2] += lanes[TORQUE[2] + u]
 
 
 @compiled

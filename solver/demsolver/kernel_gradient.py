@@ -107,12 +107,12 @@ def solve_step(b, p, shifts, coefficients, ntypes, walls, dt, inverse_mass, path
 
 
 @compiled
-def forces(b, movers, p, near, shifts, equal, coefficients, ntypes, walls, fields, dt, advance, tallies, paces):
+def forces(b, flat, movers, p, near, shifts, equal, coefficients, ntypes, walls, fields, dt, advance, tallies, paces):
     """Forces and torques at the present positions; what the step solves anew also in b.aside."""
     clear(NONE, b.x.shape[0], b)
     if PAIRS:
         list_near(b, movers, p, near, shifts, equal, 0.0, 0.0)
-    sweep(FORCES, b, movers, p, near, shifts, equal, coefficients, ntypes, walls, fields, dt, advance, tallies, paces)
+    sweep(FORCES, b, flat, movers, p, near, shifts, equal, coefficients, ntypes, walls, fields, dt, advance, tallies, paces)
 
 
 @compiled
@@ -127,7 +127,7 @@ def kick_all(b, movers):
 
 
 @entry
-def run_steps(start, steps, age, rhythm, b, movers, p, near, shifts, equal, coefficients, ntypes, walls, fields, dt, tallies, paces):
+def run_steps(start, steps, age, rhythm, b, flat, movers, p, near, shifts, equal, coefficients, ntypes, walls, fields, dt, tallies, paces):
     """As kernel.run_steps. Instead of the steps done -1: a step leaves the list even though that is new; -2: the sweeps did not agree."""
     reach = rhythm[3]
     n = b.x.shape[0]
@@ -138,7 +138,7 @@ def run_steps(start, steps, age, rhythm, b, movers, p, near, shifts, equal, coef
     for i in range(n):
         inverse_mass[i] = 0.0 if b.frozen[i] or i >= movers else 2.0 * b.kick[0 if UNIFORM else i, 0] / dt
     if start == 2:
-        forces(b, movers, p, near, shifts, equal, coefficients, ntypes, walls, fields, dt, False, tallies, paces)
+        forces(b, flat, movers, p, near, shifts, equal, coefficients, ntypes, walls, fields, dt, False, tallies, paces)
         return done, age, False
     while True:
         if start == 0:
@@ -169,7 +169,7 @@ def run_steps(start, steps, age, rhythm, b, movers, p, near, shifts, equal, coef
                 b.v[i, c] = mean[i, c]
         if MOVING:
             move_walls(walls, dt)
-        forces(b, movers, p, near, shifts, equal, coefficients, ntypes, walls, fields, dt, True, tallies, paces)
+        forces(b, flat, movers, p, near, shifts, equal, coefficients, ntypes, walls, fields, dt, True, tallies, paces)
         for i in range(n):
             for c in range(3):
                 b.v[i, c] = path[i, c]

@@ -3,33 +3,28 @@
 # ruff: noqa: F821
 from math import sqrt
 
+import numpy as np
+
 
 @shared
-def kick(low, high, again, b):
+def kick(low, high, again, flat):
     """The acceleration of a step (Verlet: half a step) for the particles low..high; again: 1.0 for twice, else 0.0."""
-    v, f = b.v[low:high].reshape(-1), b.force[low:high].reshape(-1)
-    m = b.kick[0:1].reshape(-1) if UNIFORM else b.kick[low:high].reshape(-1)
-    for e in range(v.size):
-        g = (m[0] if UNIFORM else m[e]) * f[e]
-        v[e] = v[e] + g + again * g
+    for e in range(np.uint64(3 * low), np.uint64(3 * high)):
+        g = flat.kick[np.uint64(0) if UNIFORM else e] * flat.force[e]
+        flat.v[e] = flat.v[e] + g + again * g
     if ROTATES:
-        w, t = b.omega[low:high].reshape(-1), b.torque[low:high].reshape(-1)
-        m = b.spin[0:1].reshape(-1) if UNIFORM else b.spin[low:high].reshape(-1)
-        for e in range(w.size):
-            g = (m[0] if UNIFORM else m[e]) * t[e]
-            w[e] = w[e] + g + again * g
+        for e in range(np.uint64(3 * low), np.uint64(3 * high)):
+            g = flat.spin[np.uint64(0) if UNIFORM else e] * flat.torque[e]
+            flat.omega[e] = flat.omega[e] + g + again * g
 
 
 @shared
-def drift(low, high, b, dt):
+def drift(low, high, flat, dt):
     """A step of motion."""
-    x, v = b.x[low:high].reshape(-1), b.v[low:high].reshape(-1)
-    for e in range(x.size):
-        x[e] += dt * v[e]
-    if SHIFTING:
-        a = b.aside[low:high].reshape(-1)
-        for e in range(x.size):
-            x[e] += a[e]
+    for e in range(np.uint64(3 * low), np.uint64(3 * high)):
+        flat.x[e] += dt * flat.v[e]
+        if SHIFTING:
+            flat.x[e] += flat.aside[e]
 
 
 @shared

@@ -26,10 +26,10 @@ START_WATCH = (np.inf, 0.0, 0.0, 0)  # departure so far and allowed, sum of the 
 def near_chunk(c, b, movers, p, near, shifts, equal, span, leeway):
     """Near pairs of the rows of chunk c: those that straight flight for the time `span` brings within `leeway`, and those that touch."""
     stop = min(b.x.shape[0], (c + 1) * CHUNK)
-    begin = p.first[c * CHUNK]
+    begin = np.uint64(p.first[c * CHUNK])  # places are unsigned: of a signed one Numba asks whether it counts from the end
     found = begin
-    for k in range(begin, p.first[stop]):
-        i, j = np.int64(near.listed_row[k]), np.int64(p.partner[k])
+    for k in range(begin, np.uint64(p.first[stop])):
+        i, j = np.uint64(near.listed_row[k]), np.uint64(p.partner[k])
         dx, dy, dz = b.x[i, 0] - b.x[j, 0], b.x[i, 1] - b.x[j, 1], b.x[i, 2] - b.x[j, 2]
         if PERIODIC:
             s = np.int64(p.code[k])
@@ -38,7 +38,7 @@ def near_chunk(c, b, movers, p, near, shifts, equal, span, leeway):
                 if s >= PARTNER_FEELS:
                     sign, s = 1.0, s - PARTNER_FEELS
                 dx, dy, dz = dx + sign * shifts[s, 0], dy + sign * shifts[s, 1], dz + sign * shifts[s, 2]
-        one, other = np.float64(i < movers), np.float64(j < movers)
+        one, other = np.float64(np.int64(i) < movers), np.float64(np.int64(j) < movers)
         closing = dx * (other * b.v[j, 0] - one * b.v[i, 0]) + dy * (other * b.v[j, 1] - one * b.v[i, 1])
         closing += dz * (other * b.v[j, 2] - one * b.v[i, 2])
         close = CLOSE * (leeway + (equal[0] + equal[0] if UNIFORM else b.radius[i] + b.radius[j]))
@@ -46,16 +46,16 @@ def near_chunk(c, b, movers, p, near, shifts, equal, span, leeway):
         # without a square root: distance - closing speed * span < close, times the distance
         ahead = square - max(closing, 0.0) * span
         near.listing[found] = k
-        found += np.int64((ahead <= 0.0) | (ahead * ahead < close * close * square) | (p.touching[k] & 1 != 0))
-    q, u = near.chunks[c, FIRST], near.chunks[c, CROSS_FIRST]
+        found += np.uint64((ahead <= 0.0) | (ahead * ahead < close * close * square) | (p.touching[k] & 1 != 0))
+    q, u = np.uint64(near.chunks[c, FIRST]), np.uint64(near.chunks[c, CROSS_FIRST])
     for h in range(begin, found):
-        k = np.int64(near.listing[h])
+        k = np.uint64(near.listing[h])
         if p.partner[k] < stop:
             take(q, k, p, near)
-            q += 1
+            q += np.uint64(1)
         else:
             take(u, k, p, near)
-            u += 1
+            u += np.uint64(1)
     near.chunks[c, END], near.chunks[c, CROSS_END] = q, u
 
 

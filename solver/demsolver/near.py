@@ -34,7 +34,7 @@ class Near(NamedTuple):
     share: Ints
     lanes: NDArray[np.floating]
     past: Floats
-    who: Ints
+    who: NDArray[np.uint32]
     scale: Floats
 
 
@@ -63,7 +63,7 @@ def near_of(pairs: Pairs, radius: Floats, chunk: int, threads: int, *, turns: bo
         kept_pair=np.empty((kept, 2), dtype=np.int64), kept_action=np.empty((kept, 9 if turns else 3)),
         share=np.linspace(0, count, threads + 1).astype(np.int64),
         lanes=np.empty((threads, BLOCK * FIELDS), dtype=np.float32 if mixed else np.float64),
-        past=np.empty((threads, BLOCK * max(1, pairs.memory.shape[1]))), who=np.zeros((threads, 5 * BLOCK), dtype=np.int64),
+        past=np.empty((threads, BLOCK * max(1, pairs.memory.shape[1]))), who=np.zeros((threads, 5 * BLOCK), dtype=np.uint32),
         scale=np.array([radius.mean() if n else 0.0, 0.0]),
     )  # fmt: skip
 

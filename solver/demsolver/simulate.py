@@ -17,7 +17,7 @@ from demsolver.near import near_of
 from demsolver.neighbor_grid import bounds_of
 from demsolver.scene import Box, Gravity, Particles, Plane, Scene, SetForce, Viscous, Wall
 from demsolver.specialise import BUDGET_COLUMNS, CHUNK, features, specialise
-from demsolver.state import Bodies, Floats, Ints, Pairs, bodies_of, inertia_of, selected
+from demsolver.state import Bodies, Floats, Ints, Pairs, bodies_of, flat_of, inertia_of, selected
 
 _SAID = {"x": "positions", "v": "velocities", "omega": "spins", "force": "forces", "torque": "torques"}
 SORT_FROM = CHUNK
@@ -43,10 +43,10 @@ class Simulation:
     """A scene in motion.
 
     `setup()` computes the forces of the current state with full-step velocities and leaves histories alone, as the engines do at
-    every `run`; `advance(n)` runs n steps. Results are the same bits for any number of threads; scenes with step laws or implicit laws run on
-    one. `budget=True` also keeps the account of dissipated energy, `virial=True` the virial of the pairs. precision "mixed" takes the vector
-    between two particles, their velocities against each other and the force between them as float32; positions, velocities, sums and memories
-    stay float64.
+    every `run`; `advance(n)` runs n steps. Results are the same bits for any number of threads; scenes with step laws or implicit laws, and
+    those too small to share out (specialise.CHUNK), run on one. `budget=True` also keeps the account of dissipated energy, `virial=True` the
+    virial of the pairs. precision "mixed" takes the vector between two particles, their velocities against each other and the force between
+    them as float32; positions, velocities, sums and memories stay float64.
 
     Inside, particles stand in rows of their own order, sorted in space. Outside they stand in the scene's: `bodies`, `pairs`, `image` and
     `particles()` are copies, made when asked for. id: (n,), of the particles that are left.
@@ -63,7 +63,7 @@ class Simulation:
         self.virial = virial
         self._budget, self._precision = budget, precision
         self._has = features(scene, threads, budget=budget, virial=virial)
-        self._threads = threads if self._has.THREADED else 1
+        self._asked, self._threads = threads, threads if self._has.THREADED else 1
         self._kernel = specialise(scene, self._has)
         self._signs = memory_signs(scene.pair)
         self._extra = BUDGET_COLUMNS if budget else 0
@@ -100,6 +100,11 @@ class Simulation:
     def image(self) -> Ints:
         """(n, 3) periodic wraps, in the scene's order."""
         return _outside(self._image, self._order)
+
+    @property
+    def threads(self) -> int:
+        """How many share the work."""
+        return self._threads
 
     def setup(self) -> None:
         """Wraps, rebuilds the list, and computes forces with the velocities as they are, without growing any history."""
@@ -172,7 +177,7 @@ class Simulation:
         particles touch under a law of the same name, and a plane whose words are the same goes on from where it is. virial: None to leave
         it as it is."""
         virial = self.virial if virial is None else virial
-        other = Simulation(scene, threads=self._threads, budget=self._budget, virial=virial, precision=self._precision)
+        other = Simulation(scene, threads=self._asked, budget=self._budget, virial=virial, precision=self._precision)
         other.step = self.step
         if not np.array_equal(other.id, self.id):
             return other
@@ -206,8 +211,8 @@ class Simulation:
         if self._threads > 1:
             _use_threads(self._threads)
         done, self._age, due = self._kernel.run_steps(
-            start, steps, self._age, self._rhythm(), self._bodies, self._movers, self._pairs, self._near, self._shifts(), self._equal,
-            self._coefficients, self.scene.ntypes, self._flat_walls(), self._fields, self.scene.timestep, self._tallies, self._paces,
+            start, steps, self._age, self._rhythm(), self._bodies, flat_of(self._bodies), self._movers, self._pairs, self._near, self._shifts(),
+            self._equal, self._coefficients, self.scene.ntypes, self._flat_walls(), self._fields, self.scene.timestep, self._tallies, self._paces,
         )  # fmt: skip
         if done < 0:
             raise Unstable(self._refused(done))

@@ -129,7 +129,7 @@ def features(scene: Scene, threads: int = 1, *, budget: bool = False, virial: bo
         IMPLICIT=implicit(scene),
         MOVING=any(isinstance(wall.shape, Plane) and wall.shape.moving for wall in scene.walls),
         VERLET=schemes != {EulerSphere},
-        THREADED=threads > 1 and not aside,
+        THREADED=threads > 1 and not aside and len(scene.particles.id) > CHUNK,
         CHUNK=1 << 60 if aside else CHUNK,
         UNIFORM=_uniform(scene),
         SAME_TORQUE=_uniform(scene) and pair is not None and not turns(pair),

@@ -40,6 +40,19 @@ class Bodies(NamedTuple):
     aside: Floats
 
 
+class Flat(NamedTuple):
+    """What moves, and by what: views (3 n,) of arrays of Bodies, over which one loop goes."""
+
+    x: Floats
+    v: Floats
+    omega: Floats
+    force: Floats
+    torque: Floats
+    kick: Floats
+    spin: Floats
+    aside: Floats
+
+
 class Pairs(NamedTuple):
     """The neighbour list in rows: entries of particle i are first[i]:first[i + 1]. Every pair stands in the row of its lower index.
 
@@ -91,6 +104,11 @@ def bodies_of(scene: Scene, *, aside: bool = False, rotates: bool = True, unifor
         held=_copy(p.x),
         aside=np.zeros((n if aside else 0, 3)),
     )
+
+
+def flat_of(bodies: Bodies) -> Flat:
+    """The same numbers without rows."""
+    return Flat(*(getattr(bodies, name).reshape(-1) for name in Flat._fields))
 
 
 def moved(scene: Scene) -> NDArray[np.bool_]:

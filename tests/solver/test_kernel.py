@@ -60,15 +60,6 @@ def test_a_trajectory_equals_the_plain_integration() -> None:
     assert np.abs(b.omega - w).max() < 1e-10 * np.abs(w).max()
 
 
-def test_threads_change_nothing() -> None:
-    """Law: results are the same bits for any number of threads."""
-    one, two = (Simulation(cluster(np.random.default_rng(8)), threads=t) for t in (1, 2))
-    for simulation in (one, two):
-        simulation.setup()
-        simulation.advance(20)
-    assert np.array_equal(one.bodies.force, two.bodies.force)
-
-
 def test_where_a_run_is_cut_does_not_matter() -> None:
     """Law: advance(30) is advance(7), advance(23), bit for bit: outputs between steps cost no accuracy."""
     whole, parts = (Simulation(cluster(np.random.default_rng(3))) for _ in range(2))

@@ -128,6 +128,16 @@ def test_any_number_of_threads_gives_the_same_bits(outlives: bool) -> None:
         assert np.array_equal(one.omega, other.omega)
 
 
+def test_a_scene_of_one_chunk_is_not_shared_out() -> None:
+    """Law: threads cost a scene nothing that is too small for them; it goes on with them when it grows."""
+    small, large = pile(CHUNK), pile(CHUNK + 1)
+    assert features(small, 2) == features(small, 1)
+    assert features(large, 2).THREADED
+    simulation = Simulation(small, threads=2)
+    assert simulation.threads == 1
+    assert simulation.continue_with(large).threads == 2
+
+
 def test_the_budget_is_the_same_on_threads() -> None:
     """Law: the account of energy has the same bits on two threads."""
     found = []
