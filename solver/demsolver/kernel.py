@@ -39,69 +39,79 @@ from numba import prange
 
 FORCES, FINISH, GO_ON = 0, 1, 2  # modes of a sweep
 NONE, NOBODY = np.int64(0), np.uint64(0)
-KEEP, GIVE = np.int64(1), np.int64(0)  # what `contacts` does with what it finds
 
 
 @compiled
-def contacts(c, low, high, keep, b, p, near, shifts, equal, coefficients, ntypes, dt, advance, tally, lanes, past, who):
-    """Contacts of the near entries low..high of chunk c, given to both particles at once, or kept until `give_kept`, because other threads may be at
-    the same particles."""
+def contacts(c, low, high, mine, b, p, near, shifts, equal, coefficients, ntypes, dt, advance, tally, lanes, past, who):
+    """Contacts of the near entries low..high of chunk c. What they do to particles in the rows below `mine` is given to them at once, the rest, with
+    which other threads may be busy, is kept until `give_kept`."""
     w = near.chunks[c, KEPT_FIRST]
     u = NOBODY
     for q in range(np.uint64(low), np.uint64(high)):
         u += look(q, u, b, p, near, shifts, equal, coefficients, ntypes, dt, advance, tally, lanes, who)
         if u == BLOCK:
-            w = do_block(u, w, keep, b, p, near, equal, coefficients, ntypes, dt, advance, tally, lanes, past, who)
+            w = do_block(u, w, mine, b, p, near, equal, coefficients, ntypes, dt, advance, tally, lanes, past, who)
             u = NOBODY
-    w = do_block(u, w, keep, b, p, near, equal, coefficients, ntypes, dt, advance, tally, lanes, past, who)
-    if THREADED and keep == KEEP:
+    w = do_block(u, w, mine, b, p, near, equal, coefficients, ntypes, dt, advance, tally, lanes, past, who)
+    if THREADED and mine < b.x.shape[0]:
         near.chunks[c, KEPT_END] = w
 
 
 @compiled
-def do_block(count, w, keep, b, p, near, equal, coefficients, ntypes, dt, advance, tally, lanes, past, who):
+def do_block(count, w, mine, b, p, near, equal, coefficients, ntypes, dt, advance, tally, lanes, past, who):
     """The contacts in the lanes 0..count; w: where what is kept goes, returned as it then is."""
     for u in range(count):
         gather(u, b, p, equal, ntypes, lanes, past, who)
     act(count, equal, coefficients, dt, advance, lanes, past, who)
     for u in range(count):
         a, o, both = deliver(u, b, p, equal, dt, advance, tally, lanes, past, who)
-        if THREADED and keep == KEEP:
-            near.kept_pair[w, 0], near.kept_pair[w, 1] = np.int64(a), np.int64(o) if both else -1
-            kept = near.kept_action[w]
-            kept[0], kept[1], kept[2] = lanes[PX + u], lanes[PY + u], lanes[PZ + u]
-            if FRICTION or ROLLING:
-                kept[3], kept[4], kept[5] = lanes[GX + u], lanes[GY + u], lanes[GZ + u]
-                kept[6], kept[7], kept[8] = lanes[TORQUE[0] + u], lanes[TORQUE[1] + u], lanes[TORQUE[2] + u]
-            w += 1
+        if THREADED and np.int64(a) >= mine:
+            w = keep(w, a, 1.0, (GX, GY, GZ), near, u, lanes)
         else:
-            give(b, a, o, both, u, lanes)
+            give(b, a, u, lanes)
+        if both:
+            if THREADED and np.int64(o) >= mine:
+                w = keep(w, o, -1.0, TORQUE, near, u, lanes)
+            else:
+                give_other(b, o, u, lanes)
     return w
+
+
+@inlined
+def keep(w, i, sign, turn, near, u, lanes):
+    """Keeps for particle i in place w what lane u found, its force times `sign` and the torque of the fields `turn`; returns the next place."""
+    near.kept_row[w] = i
+    kept = near.kept_action[w]
+    kept[0], kept[1], kept[2] = sign * lanes[PX + u], sign * lanes[PY + u], sign * lanes[PZ + u]
+    if FRICTION or ROLLING:
+        kept[3], kept[4], kept[5] = lanes[turn[0] + u], lanes[turn[1] + u], lanes[turn[2] + u]
+    return w + 1
 
 
 @compiled
 def give_kept(low, high, b, near):
-    """Gives the particles low..high what was kept for them, in the order in which `contacts` gives it."""
-    for c in range(near.chunks.shape[0]):
+    """Gives the particles low..high what was kept for them, in the order in which `contacts` of one thread gives it."""
+    for c in range(near.chunks.shape[0] - 1, -1, -1):
         for u in range(near.chunks[c, KEPT_FIRST], near.chunks[c, KEPT_END]):
-            a, o, kept = near.kept_pair[u, 0], near.kept_pair[u, 1], near.kept_action[u]
-            if low <= a < high:
+            i, kept = near.kept_row[u], near.kept_action[u]
+            if low <= i < high:
                 for d in range(3):
-                    b.force[a, d] += kept[d]
+                    b.force[i, d] += kept[d]
                     if FRICTION or ROLLING:
-                        b.torque[a, d] += kept[3 + d]
-            if low <= o < high:
-                for d in range(3):
-                    b.force[o, d] -= kept[d]
-                    if FRICTION or ROLLING:
-                        b.torque[o, d] += kept[6 + d]
+                        b.torque[i, d] += kept[3 + d]
 
 
 @compiled
-def end_step(c, mode, b, flat, movers, walls, fields, dt, advance, tally):
-    """What chunk c still has to do behind its contacts: walls, fields and, by `mode`, motion: no more than FORCES; FINISH the step; GO_ON to the next
-    positions. Returns the largest squared change of a velocity on the way there.
+def end_step(
+    c, mode, b, flat, movers, p, near, shifts, equal, coefficients, ntypes, walls, fields, dt, advance, tally, lanes, past, who,
+):
+    """What chunk c still has to do behind the contacts between chunks: those within, walls, fields and, by `mode`, motion: no more than FORCES; FINISH
+    the step; GO_ON to the next positions. Returns the largest squared change of a velocity on the way there.
     """
+    if PAIRS:
+        contacts(
+            c, near.chunks[c, FIRST], near.chunks[c, END], b.x.shape[0], b, p, near, shifts, equal, coefficients, ntypes, dt, advance, tally, lanes, past, who,
+        )
     low, high = c * CHUNK, min(b.x.shape[0], (c + 1) * CHUNK)
     jump = 0.0
     for i in range(low, high):
@@ -123,39 +133,38 @@ def end_step(c, mode, b, flat, movers, walls, fields, dt, advance, tally):
 @threaded
 def sweep(mode, b, flat, movers, p, near, shifts, equal, coefficients, ntypes, walls, fields, dt, advance, tallies, paces):
     """Forces at the present positions and, by `mode`, the motion to the next. Returns the largest squared change of a velocity on the way."""
-    chunks = tallies.shape[0]
+    chunks, everyone = tallies.shape[0], b.x.shape[0]
     if VIRIAL:
         tallies[:, 3] = 0.0
     if THREADED:
         threads = near.share.shape[0] - 1
-        if PAIRS and chunks > 1:
+        if PAIRS:
             for t in prange(threads):
-                for c in range(near.share[t], near.share[t + 1]):
+                for c in range(near.cross_share[t + 1] - 1, near.cross_share[t] - 1, -1):
                     contacts(
-                        c, near.chunks[c, CROSS_FIRST], near.chunks[c, CROSS_END], KEEP, b, p, near, shifts, equal, coefficients, ntypes, dt, advance, tallies[c],
-                        near.lanes[t], near.past[t], near.who[t],
+                        c, near.chunks[c, CROSS_FIRST], near.chunks[c, CROSS_END], near.cross_share[t + 1] * CHUNK, b, p, near, shifts, equal, coefficients,
+                        ntypes, dt, advance, tallies[c], near.lanes[t], near.past[t], near.who[t],
                     )
         for t in prange(threads):
-            if PAIRS and chunks > 1:
+            if PAIRS:
                 give_kept(near.share[t] * CHUNK, near.share[t + 1] * CHUNK, b, near)
             for c in range(near.share[t], near.share[t + 1]):
-                if PAIRS:
-                    contacts(
-                        c, near.chunks[c, FIRST], near.chunks[c, END], GIVE, b, p, near, shifts, equal, coefficients, ntypes, dt, advance, tallies[c],
-                        near.lanes[t], near.past[t], near.who[t],
-                    )
-                paces[c] = end_step(c, mode, b, flat, movers, walls, fields, dt, advance, tallies[c])
+                paces[c] = end_step(
+                    c, mode, b, flat, movers, p, near, shifts, equal, coefficients, ntypes, walls, fields, dt, advance, tallies[c],
+                    near.lanes[t], near.past[t], near.who[t],
+                )
     else:
-        for part in range(2):
-            for c in range(chunks):
-                if PAIRS:
-                    low, high = (CROSS_FIRST, CROSS_END) if part == 0 else (FIRST, END)
-                    contacts(
-                        c, near.chunks[c, low], near.chunks[c, high], GIVE, b, p, near, shifts, equal, coefficients, ntypes, dt, advance, tallies[c],
-                        near.lanes[0], near.past[0], near.who[0],
-                    )
-                if part == 1:
-                    paces[c] = end_step(c, mode, b, flat, movers, walls, fields, dt, advance, tallies[c])
+        if PAIRS:
+            for c in range(chunks - 1, -1, -1):
+                contacts(
+                    c, near.chunks[c, CROSS_FIRST], near.chunks[c, CROSS_END], everyone, b, p, near, shifts, equal, coefficients, ntypes, dt, advance, tallies[c],
+                    near.lanes[0], near.past[0], near.who[0],
+                )
+        for c in range(chunks):
+            paces[c] = end_step(
+                c, mode, b, flat, movers, p, near, shifts, equal, coefficients, ntypes, walls, fields, dt, advance, tallies[c],
+                near.lanes[0], near.past[0], near.who[0],
+            )
     jump = 0.0
     for c in range(chunks):
         jump = max(jump, paces[c])

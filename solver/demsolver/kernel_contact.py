@@ -1,6 +1,6 @@
 """One contact, and what it does to its two particles: a template like kernel.py, in front of it.
 
-Pairs are done in blocks: `find_touching`, `gather`, `act` (the law), `deliver`, `give`. kernel_wall.py holds walls.
+Pairs are done in blocks: `look`, `gather`, `act` (the law), `deliver`, `give`. kernel_wall.py holds walls.
 
 Memory columns of a contact: first BASE columns of the law's own; with BUDGET also what took energy in the last step: three columns each of the
 normal damping force, the tangential force, its torques on both sides, the rolling torques on both sides; then the power that a wall's motion gives
@@ -278,24 +278,27 @@ def aside(b, i, size, nx, ny, nz):
 
 
 @inlined
-def give(b, a, o, both, u, lanes):
-    """Adds what lane u found to the forces and torques of the two."""
-    fx, fy, fz = lanes[PX + u], lanes[PY + u], lanes[PZ + u]
-    b.force[a, 0] += fx
-    b.force[a, 1] += fy
-    b.force[a, 2] += fz
-    if both:
-        b.force[o, 0] -= fx
-        b.force[o, 1] -= fy
-        b.force[o, 2] -= fz
+def give(b, a, u, lanes):
+    """Adds what lane u found to the force and torque of who feels it."""
+    b.force[a, 0] += lanes[PX + u]
+    b.force[a, 1] += lanes[PY + u]
+    b.force[a, 2] += lanes[PZ + u]
     if FRICTION or ROLLING:
         b.torque[a, 0] += lanes[GX + u]
         b.torque[a, 1] += lanes[GY + u]
         b.torque[a, 2] += lanes[GZ + u]
-        if both:
-            b.torque[o, 0] += lanes[TORQUE[0] + u]
-            b.torque[o, 1] += lanes[TORQUE[1] + u]
-            b.torque[o, 2] += lanes[TORQUE[2] + u]
+
+
+@inlined
+def give_other(b, o, u, lanes):
+    """The same for the other."""
+    b.force[o, 0] -= lanes[PX + u]
+    b.force[o, 1] -= lanes[PY + u]
+    b.force[o, 2] -= lanes[PZ + u]
+    if FRICTION or ROLLING:
+        b.torque[o, 0] += lanes[TORQUE[0] + u]
+        b.torque[o, 1] += lanes[TORQUE[1] + u]
+        b.torque[o, 2] += lanes[TORQUE[2] + u]
 
 
 @compiled

@@ -56,7 +56,7 @@ def near_chunk(c, b, movers, p, near, shifts, equal, span, leeway):
         else:
             take(u, k, p, near)
             u += np.uint64(1)
-    near.chunks[c, END], near.chunks[c, CROSS_END] = q, u
+    near.chunks[c, END], near.chunks[c, CROSS_END], near.chunks[c, KEPT_END] = q, u, near.chunks[c, KEPT_FIRST]
 
 
 @inlined
@@ -83,29 +83,29 @@ def list_near(b, movers, p, near, shifts, equal, span, leeway):
 
 @compiled
 def share_out(near, n):
-    """Cuts the chunks into runs of about the same work."""
-    chunks, threads = near.chunks.shape[0], near.share.shape[0] - 1
-    work = 0
+    """Cuts the chunks into runs of about the same work: between chunks, and the rest."""
+    cut(near.cross_share, CROSS_FIRST, CROSS_END, 0, near, n)
+    cut(near.share, FIRST, END, 1, near, n)
+
+
+@compiled
+def cut(share, first, end, rows, near, n):
+    """Cuts the chunks by their entries and, with rows = 1, by their rows: an entry takes about as long as five rows."""
+    chunks, threads = near.chunks.shape[0], share.shape[0] - 1
+    work = np.int64(0)
     for c in range(chunks):
-        work += chunk_work(c, near, n)
+        work += 5 * (near.chunks[c, end] - near.chunks[c, first]) + rows * (min(n, (c + 1) * CHUNK) - c * CHUNK)
     t = 1
-    done = 0
+    done = np.int64(0)
     for c in range(chunks):
-        half = chunk_work(c, near, n) // 2
-        while t < threads and (done + half) * threads >= t * work:
-            near.share[t] = c
+        part = 5 * (near.chunks[c, end] - near.chunks[c, first]) + rows * (min(n, (c + 1) * CHUNK) - c * CHUNK)
+        while t < threads and (done + part // 2) * threads >= t * work:
+            share[t] = c
             t += 1
-        done += chunk_work(c, near, n)
+        done += part
     while t < threads:
-        near.share[t] = chunks
+        share[t] = chunks
         t += 1
-
-
-@inlined
-def chunk_work(c, near, n):
-    """Of a chunk: a near pair takes about as long as four particles."""
-    entries = near.chunks[c, END] - near.chunks[c, FIRST] + near.chunks[c, CROSS_END] - near.chunks[c, CROSS_FIRST]
-    return min(n, (c + 1) * CHUNK) - c * CHUNK + 4 * entries
 
 
 @shared

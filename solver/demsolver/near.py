@@ -16,10 +16,11 @@ class Near(NamedTuple):
     chunk, CROSS_FIRST, CROSS_END of those with partners in later ones; KEPT_FIRST, KEPT_END of what several threads keep of those.
 
     listed_row: row of each pair of the list of all. Of an entry: row and partner; its code (as in Pairs); `entry`, its place in the list of
-    all pairs, where what it remembers stands. listing: (m + 1,) scratch while the list is made. With several threads: kept_pair (x, 2),
-    kept_action (x, 9 or 3), what is kept for both particles: force, torque, torque of the other; share (t + 1,): thread t does the chunks share[t]
-    to share[t + 1]. lanes, past, who: (t, ...) scratch of each thread, a block of contacts; lanes are float32 in mixed precision. scale: mean
-    radius; bound of the way of any particle since the list of all pairs was built.
+    all pairs, where what it remembers stands. listing: (m + 1,) scratch while the list is made. With several threads: share, cross_share (t + 1,):
+    thread t does the chunks share[t] to share[t + 1], of the pairs between chunks cross_share[t] to cross_share[t + 1]; kept_row (x,), kept_action
+    (x, 6 or 3): what these do to particles of another thread's chunks, force and torque. lanes, past, who: (t, ...) scratch of each thread, a
+    block of contacts; lanes are float32 in mixed precision. scale: mean radius; bound of the way of any particle since the list of all
+    pairs was built.
     """
 
     chunks: Ints
@@ -29,9 +30,10 @@ class Near(NamedTuple):
     entry: NDArray[np.uint32]
     listing: NDArray[np.uint32]
     code: NDArray[np.uint8]
-    kept_pair: Ints
+    kept_row: Ints
     kept_action: Floats
     share: Ints
+    cross_share: Ints
     lanes: NDArray[np.floating]
     past: Floats
     who: NDArray[np.uint32]
@@ -60,8 +62,8 @@ def near_of(pairs: Pairs, radius: Floats, chunk: int, threads: int, *, turns: bo
         listed_row=listed_row, row=np.empty(m, dtype=np.uint32), partner=np.empty(m, dtype=np.uint32), entry=np.empty(m, dtype=np.uint32),
         listing=np.empty(m + 1, dtype=np.uint32),
         code=np.empty(len(pairs.code), dtype=np.uint8),
-        kept_pair=np.empty((kept, 2), dtype=np.int64), kept_action=np.empty((kept, 9 if turns else 3)),
-        share=np.linspace(0, count, threads + 1).astype(np.int64),
+        kept_row=np.empty(kept, dtype=np.int64), kept_action=np.empty((kept, 6 if turns else 3)),
+        share=np.linspace(0, count, threads + 1).astype(np.int64), cross_share=np.linspace(0, count, threads + 1).astype(np.int64),
         lanes=np.empty((threads, BLOCK * FIELDS), dtype=np.float32 if mixed else np.float64),
         past=np.empty((threads, BLOCK * max(1, pairs.memory.shape[1]))), who=np.zeros((threads, 5 * BLOCK), dtype=np.uint32),
         scale=np.array([radius.mean() if n else 0.0, 0.0]),

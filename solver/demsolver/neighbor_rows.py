@@ -6,13 +6,15 @@ the list costs no more than any other.
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
 from demsolver.neighbor_grid import Codes, Images, Numbers
 from demsolver.neighbor_search import Meetings
-from demsolver.state import Ints
+from demsolver.state import Floats, Ints, Pairs
 
 # ruff: noqa: ANN001, ANN202
 
@@ -147,18 +149,32 @@ def _by_row(pairs, code, first, place, partner, to_code):  # type: ignore[no-unt
             to_code[q] = code[k]
 
 
+class Remembered(NamedTuple):
+    """Entries of a list that have something to remember, in its order. row, partner: (r,). code: (r,) or (0,). touching: (r,). memory: (r, c)."""
+
+    row: Numbers
+    partner: Numbers
+    code: Codes
+    touching: Codes
+    memory: Floats
+
+
+def remembered(pairs: Pairs, row: Numbers) -> Remembered:
+    """What of a list goes over to the next. row: (m,) of each entry."""
+    k = np.flatnonzero(pairs.touching != 0)
+    code = pairs.code.take(k) if len(pairs.code) else pairs.code
+    return Remembered(row.take(k), pairs.partner.take(k), code, pairs.touching.take(k), pairs.memory.take(k, axis=0))
+
+
 @njit(cache=True, error_model="numpy")
-def hand_over(old, new, remembered, wraps, outlives, signs, x, radius, shifts, renumber) -> None:  # type: ignore[no-untyped-def]
-    """Hands the memory of the entries `remembered` (ascending) of an old list to a new one: see neighbors.carry."""
-    first, partner, codes, touching, memory = old
+def hand_over(old, new, wraps, outlives, signs, x, radius, shifts, renumber) -> None:  # type: ignore[no-untyped-def]
+    """Hands what is remembered of an old list to a new one: see neighbors.carry."""
+    row, partner, codes, touching, memory = old
     to_first, to_partner, to_codes, to_touching, to_memory = new
-    row = 0
-    for k in remembered:
-        while first[row + 1] <= k:
-            row += 1
+    for k in range(len(row)):
         code = int(codes[k]) if len(codes) else HOME
         shift = code % PARTNER_FEELS
-        acts, other = row, int(partner[k])
+        acts, other = np.int64(row[k]), np.int64(partner[k])
         if code >= PARTNER_FEELS:
             acts, other = other, acts
         moved = shift

@@ -13,11 +13,11 @@ from numpy.typing import NDArray
 from demsolver import neighbor_grid as cells
 from demsolver import neighbor_rows, neighbor_search
 from demsolver.bind_law import longest_reach
-from demsolver.neighbor_rows import HOME, PARTNER_FEELS
+from demsolver.neighbor_rows import HOME, PARTNER_FEELS, Remembered, remembered
 from demsolver.scene import Scene
 from demsolver.state import Bodies, Floats, Ints, Pairs, selected
 
-__all__ = ["HOME", "PARTNER_FEELS", "SHIFTS", "build", "carry", "empty_pairs", "exclusions", "morton_order", "wrap"]
+__all__ = ["HOME", "PARTNER_FEELS", "SHIFTS", "build", "carry", "empty_pairs", "exclusions", "morton_order", "remembered", "wrap"]
 
 SHIFTS: Ints = np.array([[a, b, c] for a in (-1, 0, 1) for b in (-1, 0, 1) for c in (-1, 0, 1)])
 MORTON_BITS = 21  # of every axis, so that a code fits an int64
@@ -145,8 +145,8 @@ def _morton(x, lo, inverse, top, keys):  # type: ignore[no-untyped-def]  # noqa:
     return largest
 
 
-def carry(old: Pairs, new: Pairs, wraps: Ints, outlives: bool, signs: Floats, bodies: Bodies, shifts: Floats, renumber: Ints) -> None:
-    """Hands the memory of the old list to the new one.
+def carry(old: Remembered, new: Pairs, wraps: Ints, outlives: bool, signs: Floats, bodies: Bodies, shifts: Floats, renumber: Ints) -> None:
+    """Hands what is remembered of the old list to the new one.
 
     wraps: (n, 3) periodic wraps since the old list, by old row. signs: (c,) of the columns of the law's memory when the particles change places.
     bodies, shifts: as they are now. renumber: (n,) where old row r now stands.
@@ -154,5 +154,4 @@ def carry(old: Pairs, new: Pairs, wraps: Ints, outlives: bool, signs: Floats, bo
     What touched at the last step goes over (LAMMPS). With `outlives`, what has touched since the last list goes over, but its
     tangential history only if the pair overlaps now (LIGGGHTS).
     """
-    remembered = np.flatnonzero(old.touching != 0)
-    neighbor_rows.hand_over(old, new, remembered, wraps, outlives, signs, bodies.x, bodies.radius, shifts, renumber)
+    neighbor_rows.hand_over(old, new, wraps, outlives, signs, bodies.x, bodies.radius, shifts, renumber)

@@ -240,9 +240,10 @@ class Simulation:
         self._age = 0
         if self._has.PAIRS:
             place = self._resort()
-            old, b = self._pairs, self._bodies
-            keep_frozen = old.memory.shape[1] > 0 or self.virial  # what a frozen contact remembers counts again when it is set free
-            new = neighbors.build(self.scene, b, self.box_lo, self.box_hi, old.memory.shape[1], frozen_pairs=keep_frozen)
+            old, columns, b = neighbors.remembered(self._pairs, self._near.listed_row), self._pairs.memory.shape[1], self._bodies
+            self._allot(neighbors.empty_pairs(len(self.id), columns))  # the rest of the old list makes room
+            keep_frozen = columns > 0 or self.virial  # what a frozen contact remembers counts again when it is set free
+            new = neighbors.build(self.scene, b, self.box_lo, self.box_hi, columns, frozen_pairs=keep_frozen)
             neighbors.carry(old, new, wraps, self.scene.history_outlives_contact, self._signs, b, self._shifts(), place)
             self._allot(new)
         self._bodies.held[:] = self._bodies.x

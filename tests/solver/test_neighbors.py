@@ -314,7 +314,8 @@ def carried(old: Pairs, scene: Scene, wraps: np.ndarray, place: np.ndarray, *, o
     bodies = bodies_of(scene, aside=False)
     new = build(scene, old.memory.shape[1], bodies=bodies)
     shifts = SHIFTS * (np.array(scene.box.hi) - scene.box.lo)
-    neighbors.carry(old, new, wraps, outlives, SIGNS, bodies, shifts, place)
+    row = np.repeat(np.arange(len(old.first) - 1, dtype=np.uint32), np.diff(old.first))
+    neighbors.carry(neighbors.remembered(old, row), new, wraps, outlives, SIGNS, bodies, shifts, place)
     return new
 
 
