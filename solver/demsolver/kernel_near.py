@@ -29,7 +29,7 @@ def near_chunk(c, b, movers, p, near, shifts, equal, span, leeway):
     begin = np.uint64(p.first[c * CHUNK])  # places are unsigned: of a signed one Numba asks whether it counts from the end
     found = begin
     for k in range(begin, np.uint64(p.first[stop])):
-        i, j = np.uint64(near.listed_row[k]), np.uint64(p.partner[k])
+        i, j = np.uint64(p.row[k]), np.uint64(p.partner[k])
         dx, dy, dz = b.x[i, 0] - b.x[j, 0], b.x[i, 1] - b.x[j, 1], b.x[i, 2] - b.x[j, 2]
         if PERIODIC:
             s = np.int64(p.code[k])
@@ -62,7 +62,7 @@ def near_chunk(c, b, movers, p, near, shifts, equal, span, leeway):
 @inlined
 def take(q, k, p, near):
     """Listed pair k becomes near entry q."""
-    near.row[q], near.partner[q], near.entry[q] = near.listed_row[k], p.partner[k], k
+    near.row[q], near.partner[q], near.entry[q] = p.row[k], p.partner[k], k
     if PERIODIC:
         near.code[q] = p.code[k]
 

@@ -24,7 +24,7 @@ class Listed(NamedTuple):
 
 def listed(pairs: Pairs, order: Ints) -> Listed:
     """A neighbour list pair by pair; order: (n,) number of the particle in each row."""
-    row, partner = np.repeat(order, np.diff(pairs.first)), order[pairs.partner]
+    row, partner = order[pairs.row], order[pairs.partner]
     code = pairs.code.astype(np.int64) if len(pairs.code) else np.full(len(row), HOME)
     turned = code >= PARTNER_FEELS
     i, j = np.where(turned, partner, row), np.where(turned, row, partner)
@@ -34,9 +34,9 @@ def listed(pairs: Pairs, order: Ints) -> Listed:
 def without(pairs: Pairs, keep: NDArray[np.bool_]) -> Pairs:
     """The list without the particles that are gone, rows renumbered. keep: (n,)."""
     number = np.cumsum(keep) - 1
-    row = np.repeat(np.arange(len(keep)), np.diff(pairs.first))
-    kept = keep[row] & keep[pairs.partner]
-    counts = np.bincount(row[kept], minlength=len(keep))[keep]
+    kept = keep[pairs.row] & keep[pairs.partner]
+    row, partner = (number[rows[kept]].astype(np.uint32) for rows in (pairs.row, pairs.partner))
+    counts = np.bincount(row, minlength=int(keep.sum()))
     first = np.concatenate([[0], np.cumsum(counts)]).astype(np.int64)
     code = pairs.code[kept] if len(pairs.code) else pairs.code
-    return Pairs(first, number[pairs.partner[kept]].astype(np.uint32), code, pairs.touching[kept], np.ascontiguousarray(pairs.memory[kept]))
+    return Pairs(first, row, partner, code, pairs.touching[kept], np.ascontiguousarray(pairs.memory[kept]))

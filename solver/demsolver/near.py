@@ -15,7 +15,7 @@ class Near(NamedTuple):
     """Pairs that can touch soon. Rows are cut into chunks; chunks: (c, 6), where its entries stand: FIRST, END of those with partners in the same
     chunk, CROSS_FIRST, CROSS_END of those with partners in later ones; KEPT_FIRST, KEPT_END of what several threads keep of those.
 
-    listed_row: row of each pair of the list of all. Of an entry: row and partner; its code (as in Pairs); `entry`, its place in the list of
+    Of an entry: row and partner; its code (as in Pairs); `entry`, its place in the list of
     all pairs, where what it remembers stands. listing: (m + 1,) scratch while the list is made. With several threads: share, cross_share (t + 1,):
     thread t does the chunks share[t] to share[t + 1], of the pairs between chunks cross_share[t] to cross_share[t + 1]; kept_row (x,), kept_action
     (x, 6 or 3): what these do to particles of another thread's chunks, force and torque. lanes, past, who: (t, ...) scratch of each thread, a
@@ -24,7 +24,6 @@ class Near(NamedTuple):
     """
 
     chunks: Ints
-    listed_row: NDArray[np.uint32]
     row: NDArray[np.uint32]
     partner: NDArray[np.uint32]
     entry: NDArray[np.uint32]
@@ -52,14 +51,14 @@ def near_of(pairs: Pairs, radius: Floats, chunk: int, threads: int, *, turns: bo
     n, m = len(radius), len(pairs.partner)
     count = max(1, -(-n // chunk))
     start = pairs.first[np.minimum(np.arange(count + 1) * min(chunk, n + 1), n)]
-    crossing, listed_row = np.zeros(count, dtype=np.int64), np.empty(m, dtype=np.uint32)
-    _look_over(pairs.first, pairs.partner, chunk, crossing, listed_row)
+    crossing = np.zeros(count, dtype=np.int64)
+    _crossing(pairs.first, pairs.partner, chunk, crossing)
     kept_first = np.cumsum(crossing) - crossing
     kept = int(crossing.sum()) if threads > 1 else 0
     first, cross_first = start[:-1], start[1:] - crossing
     return Near(
         chunks=np.column_stack([first, first, cross_first, cross_first, kept_first, kept_first]),
-        listed_row=listed_row, row=np.empty(m, dtype=np.uint32), partner=np.empty(m, dtype=np.uint32), entry=np.empty(m, dtype=np.uint32),
+        row=np.empty(m, dtype=np.uint32), partner=np.empty(m, dtype=np.uint32), entry=np.empty(m, dtype=np.uint32),
         listing=np.empty(m + 1, dtype=np.uint32),
         code=np.empty(len(pairs.code), dtype=np.uint8),
         kept_row=np.empty(kept, dtype=np.int64), kept_action=np.empty((kept, 6 if turns else 3)),
@@ -71,11 +70,9 @@ def near_of(pairs: Pairs, radius: Floats, chunk: int, threads: int, *, turns: bo
 
 
 @njit(cache=True, error_model="numpy")
-def _look_over(first, partner, chunk, crossing, listed_row):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
-    """Writes how many pairs each chunk of rows has with later ones, and the row of each pair."""
-    for i in range(len(first) - 1):
-        c = i // chunk
-        stop = (c + 1) * chunk
-        for k in range(first[i], first[i + 1]):
-            listed_row[k] = i
-            crossing[c] += np.int64(partner[k] >= stop)
+def _crossing(first, partner, chunk, found):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+    """Writes how many pairs each chunk of rows has with later ones."""
+    for c in range(len(found)):
+        stop = min(len(first) - 1, (c + 1) * chunk)
+        for k in range(first[c * chunk], first[stop]):
+            found[c] += np.int64(partner[k] >= stop)

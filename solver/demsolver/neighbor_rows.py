@@ -25,8 +25,8 @@ LOWEST_BIT = np.array([0, 0, 1, 0, 2, 0, 1, 0, 3, 0, 1, 0, 2, 0, 1, 0])  # of th
 
 def rows_of(
     n: int, images: Images, meetings: list[Meetings], classes: Numbers, excluded: NDArray[np.bool_], *, periodic: bool
-) -> tuple[Ints, Numbers, Codes]:
-    """first, partner, code of state.Pairs. classes: (n,), of which those pairs are left out that `excluded` (k, k) names."""
+) -> tuple[Ints, Numbers, Numbers, Codes]:
+    """first, row, partner, code of state.Pairs. classes: (n,), of which those pairs are left out that `excluded` (k, k) names."""
     room = sum(_count(part.lanes) for found in meetings for part in found.parts)
     pairs = np.empty(room, dtype=np.uint64)  # two indices of 32 bits in one number
     first, place = np.zeros(n + 1, dtype=np.int64), np.zeros(n + 1, dtype=np.uint32)
@@ -40,9 +40,9 @@ def rows_of(
     m = home + 2 * faces
     by_partner, by_partner_code = np.empty(m, dtype=np.uint64), _home_codes(m, periodic=periodic)
     _by_partner(pairs[:home], crossing, crossing_code, place, by_partner, by_partner_code)
-    partner, code = np.empty(m, dtype=np.uint32), _home_codes(m, periodic=periodic)
-    _by_row(by_partner, by_partner_code, first, by_row, partner, code)
-    return first, partner, code
+    row, partner, code = np.empty(m, dtype=np.uint32), np.empty(m, dtype=np.uint32), _home_codes(m, periodic=periodic)
+    _by_row(by_partner, by_partner_code, first, by_row, row, partner, code)
+    return first, row, partner, code
 
 
 def _home_codes(m: int, *, periodic: bool) -> Codes:
@@ -135,13 +135,13 @@ def _by_partner(home, crossing, crossing_code, place, pairs, code):  # type: ign
 
 
 @njit(cache=True, error_model="numpy")
-def _by_row(pairs, code, first, place, partner, to_code):  # type: ignore[no-untyped-def]
+def _by_row(pairs, code, first, place, row, partner, to_code):  # type: ignore[no-untyped-def]
     """Sorts entries by row; entries of one pair, which follow one another, by code."""
     for k in range(len(pairs)):
         i, j = _both(pairs[k])
         q = place[i]
         place[i] = q + np.uint32(1)
-        partner[q] = j
+        row[q], partner[q] = i, j
         if len(code) and code[k] != HOME:
             while q > first[i] and partner[q - 1] == j and to_code[q - 1] > code[k]:
                 to_code[q] = to_code[q - 1]
@@ -159,18 +159,18 @@ class Remembered(NamedTuple):
     memory: Floats
 
 
-def remembered(pairs: Pairs, row: Numbers) -> Remembered:
-    """What of a list goes over to the next. row: (m,) of each entry."""
+def remembered(pairs: Pairs) -> Remembered:
+    """What of a list goes over to the next."""
     k = np.flatnonzero(pairs.touching != 0)
     code = pairs.code.take(k) if len(pairs.code) else pairs.code
-    return Remembered(row.take(k), pairs.partner.take(k), code, pairs.touching.take(k), pairs.memory.take(k, axis=0))
+    return Remembered(pairs.row.take(k), pairs.partner.take(k), code, pairs.touching.take(k), pairs.memory.take(k, axis=0))
 
 
 @njit(cache=True, error_model="numpy")
 def hand_over(old, new, wraps, outlives, signs, x, radius, shifts, renumber) -> None:  # type: ignore[no-untyped-def]
     """Hands what is remembered of an old list to a new one: see neighbors.carry."""
     row, partner, codes, touching, memory = old
-    to_first, to_partner, to_codes, to_touching, to_memory = new
+    to_first, _, to_partner, to_codes, to_touching, to_memory = new
     for k in range(len(row)):
         code = int(codes[k]) if len(codes) else HOME
         shift = code % PARTNER_FEELS
@@ -184,7 +184,7 @@ def hand_over(old, new, wraps, outlives, signs, x, radius, shifts, renumber) -> 
             if min(a, b, c) < 0 or max(a, b, c) > 2:
                 continue
             moved = (a * 3 + b) * 3 + c
-        i, j = renumber[acts], renumber[other]
+        i, j = (renumber[acts], renumber[other]) if len(renumber) else (acts, other)
         for turned in range(2 if shift == HOME else 1):  # across a face both have an entry; at home one has, the lower index's
             if turned:
                 i, j, moved = j, i, 2 * HOME - moved

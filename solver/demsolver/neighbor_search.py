@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from llvmlite import ir
-from numba import njit, types
+from numba import njit, prange, types
 from numba.extending import intrinsic
 
 from demsolver.neighbor_grid import LANES, Cells, Codes, Level, Numbers, Sorted
@@ -39,38 +39,48 @@ class Meetings(NamedTuple):
     parts: list[Part]
 
 
-def meetings_of(level: Level, skin: float) -> list[Meetings]:
+def meetings_of(level: Level, skin: float, threads: int = 1) -> list[Meetings]:
     """Pairs of a level, and of its points with smaller ones; each once."""
     c, found = level.cells, []
     half = np.array([0, c.row, c.layer - c.row, c.layer, c.layer + c.row])
-    found.append(_meetings(level.own, level.own, c, skin, c.fine, half))
+    found.append(_meetings(level.own, level.own, c, skin, c.fine, half, threads))
     if level.finer:
         ahead = int(np.ceil((level.finer_largest + c.largest + skin) * c.inverse[0]))
-        found.append(_meetings(level.finer, level.own, c, skin, ahead, np.concatenate([-half[:0:-1], half])))
+        found.append(_meetings(level.finer, level.own, c, skin, ahead, np.concatenate([-half[:0:-1], half]), threads))
     return found
 
 
-def _meetings(asking: Sorted, asked: Sorted, cells: Cells, skin: float, ahead: int, offsets: Ints) -> Meetings:
-    """Sweeps over all points, in as many parts as there is room for. ahead: cells along x that reach far enough."""
+def _meetings(asking: Sorted, asked: Sorted, cells: Cells, skin: float, ahead: int, offsets: Ints, threads: int) -> Meetings:
+    """Sweeps over all points, each thread over a run of them, in as many parts as there is room for. ahead: cells along x that reach far enough."""
     parts: list[Part] = []
-    front = np.zeros(len(offsets), dtype=np.uint64)
-    points, start = len(asking.point), 0
-    room = 4 * points + 64
-    while start < points:
-        groups = points - start
-        part = Part(_numbers(groups), _numbers(groups), _numbers(room), np.empty(room, dtype=np.uint8))
-        groups, stop = _sweep(asking, asked, asking.radius, asking is asked, cells.largest, skin, cells.fine, ahead, offsets, front, start, part)
-        if stop == start:
+    points = len(asking.point)
+    share = np.linspace(0, points, threads + 1).astype(np.int64)
+    start, stop = share[:-1].copy(), share[1:]
+    front = np.searchsorted(asked.keys[:-1], asking.keys[start][:, None] - ahead + offsets).astype(np.uint64)
+    room = 4 * (points // threads) + 64
+    sweep: Any = _sweep_in_threads if threads > 1 else _sweep_in_turn
+    while (start < stop).any():
+        groups = int((stop - start).max())
+        tables = (_numbers(threads, groups), _numbers(threads, groups), _numbers(threads, room), np.empty((threads, room), dtype=np.uint8))
+        found, before = np.zeros(threads, dtype=np.int64), start.copy()
+        sweep(asking, asked, asking.radius, asking is asked, cells.largest, skin, cells.fine, ahead, offsets, front, start, stop, found, *tables)
+        for t in np.flatnonzero(start > before):
+            begin, ends, hits, lanes = (table[t] for table in tables)
+            g, m = found[t], ends[found[t] - 1]
+            parts.append(Part(begin[:g], ends[:g], hits[:m], lanes[:m]))
+        if ((start == before) & (start < stop)).any():
             room *= 2
-        else:
-            m = part.ends[groups - 1]
-            parts.append(Part(part.begin[:groups], part.ends[:groups], part.hits[:m], part.lanes[:m]))
-        start = stop
     return Meetings(asking.point, asked.point, parts)
 
 
-def _numbers(k: int) -> Numbers:
-    return np.empty(k, dtype=np.uint32)
+def _sweep_in_turn(asking, asked, radius, itself, largest, skin, fine, ahead, offsets, front, start, stop, found, begin, ends, hits, lanes):  # type: ignore[no-untyped-def]
+    """One thread."""
+    part = begin[0], ends[0], hits[0], lanes[0]
+    found[0], start[0] = _sweep(asking, asked, radius, itself, largest, skin, fine, ahead, offsets, front[0], start[0], stop[0], *part)
+
+
+def _numbers(*shape: int) -> Numbers:
+    return np.empty(shape, dtype=np.uint32)
 
 
 def _vector(context, xs, ys, zs, radii, x, y, z, radius, skin):  # type: ignore[no-untyped-def]
@@ -122,18 +132,17 @@ def _first(values, n, rest):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, error_model="numpy")
-def _sweep(asking, asked, radius, itself, largest, skin, fine, ahead, offsets, front, start, part):  # type: ignore[no-untyped-def]
-    """Runs of cells round the asking points from `start` on. offsets: of the keys of the runs; front: where they begin. No branch on the answer: it
+def _sweep(asking, asked, radius, itself, largest, skin, fine, ahead, offsets, front, start, stop, begin, ends, hits, lanes):  # type: ignore[no-untyped-def]
+    """Runs of cells round the asking points start..stop. offsets: of the keys of the runs; front: where they begin. No branch on the answer: it
     cannot be foretold. Returns how many groups there was room for, and the point behind the last."""
     keys, x, y, z = asked.keys, asked.x, asked.y, asked.z
-    begin, ends, hits, lanes = part
     zero, one = np.uint64(0), np.uint64(1)
-    points, room = np.uint64(len(asking.point)), np.uint64(len(hits))
+    points, room = np.uint64(stop), np.uint64(len(hits))
     i, group, m = np.uint64(start), zero, zero
     rq = largest
     radii = rq, rq, rq, rq
     while i < points:
-        n = _group(asking.keys, fine, i)
+        n = min(_group(asking.keys, fine, i), points - i)
         xs, ys, zs = _first(_four(asking.x, i), n, np.inf), _four(asking.y, i), _four(asking.z, i)
         if radius is not None:
             radii = _four(radius, i)
@@ -170,3 +179,14 @@ def _sweep(asking, asked, radius, itself, largest, skin, fine, ahead, offsets, f
         group += one
         i += n
     return np.int64(group), np.int64(i)
+
+
+@njit(cache=True, error_model="numpy", parallel=True)
+def _sweep_in_threads(  # type: ignore[no-untyped-def]
+    asking, asked, radius, itself, largest, skin, fine, ahead, offsets, front, start, stop, found, begin, ends, hits, lanes
+):
+    """Each thread its share."""
+    for t in prange(len(start)):
+        found[t], start[t] = _sweep(
+            asking, asked, radius, itself, largest, skin, fine, ahead, offsets, front[t], start[t], stop[t], begin[t], ends[t], hits[t], lanes[t]
+        )

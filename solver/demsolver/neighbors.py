@@ -20,18 +20,19 @@ from demsolver.state import Bodies, Floats, Ints, Pairs, selected
 __all__ = ["HOME", "PARTNER_FEELS", "SHIFTS", "build", "carry", "empty_pairs", "exclusions", "morton_order", "remembered", "wrap"]
 
 SHIFTS: Ints = np.array([[a, b, c] for a in (-1, 0, 1) for b in (-1, 0, 1) for c in (-1, 0, 1)])
+Wraps = NDArray[np.int8]
 MORTON_BITS = 21  # of every axis, so that a code fits an int64
 
 
 def empty_pairs(n: int, columns: int) -> Pairs:
     """A list without pairs."""
-    empty = np.zeros(0, dtype=np.uint8)
-    return Pairs(np.zeros(n + 1, dtype=np.int64), np.zeros(0, dtype=np.uint32), empty, empty.copy(), np.zeros((0, columns)))
+    none, empty = np.zeros(0, dtype=np.uint32), np.zeros(0, dtype=np.uint8)
+    return Pairs(np.zeros(n + 1, dtype=np.int64), none, none.copy(), empty, empty.copy(), np.zeros((0, columns)))
 
 
-def wrap(x: Floats, lo: Floats, hi: Floats, periodic: tuple[bool, bool, bool]) -> Ints:
+def wrap(x: Floats, lo: Floats, hi: Floats, periodic: tuple[bool, bool, bool]) -> Wraps:
     """Moves particles back into the periodic box, in place; returns the wraps (n, 3): x_old = x_new + wraps * length."""
-    wraps = np.zeros(x.shape, dtype=np.int64)
+    wraps = np.zeros(x.shape, dtype=np.int8)
     for axis in range(3):
         if periodic[axis]:
             _wrap(x, axis, float(lo[axis]), float(hi[axis]), wraps)
@@ -50,9 +51,9 @@ def _wrap(x, axis, lo, hi, wraps):  # type: ignore[no-untyped-def]  # noqa: ANN0
             wraps[i, axis] = 1
 
 
-def build(scene: Scene, bodies: Bodies, lo: Floats, hi: Floats, columns: int, *, frozen_pairs: bool) -> Pairs:
+def build(scene: Scene, bodies: Bodies, lo: Floats, hi: Floats, columns: int, *, frozen_pairs: bool, threads: int = 1) -> Pairs:
     """Lists all pairs at the current positions; their memory is empty. lo, hi: (3,) of the box. frozen_pairs: whether to list those of two frozen
-    particles.
+    particles. threads: how many search.
 
     Raises ValueError when a periodic box is shorter than the reach of a contact.
     """
@@ -64,10 +65,10 @@ def build(scene: Scene, bodies: Bodies, lo: Floats, hi: Floats, columns: int, *,
     _check_box(lo, hi, periodic, 2.0 * largest + skin)
     images = cells.images_of(bodies.x, bodies.radius, skin, lo, hi, periodic)
     levels = cells.levels_of(bodies.x, images, bodies.radius, skin)
-    meetings = [found for level in levels for found in neighbor_search.meetings_of(level, skin)]
+    meetings = [found for level in levels for found in neighbor_search.meetings_of(level, skin, threads)]
     excluded, classes = exclusions(scene, bodies.mask, bodies.kind, None if frozen_pairs else bodies.frozen)
-    first, partner, code = neighbor_rows.rows_of(n, images, meetings, classes, excluded, periodic=any(periodic))
-    return Pairs(first, partner, code, np.zeros(len(partner), dtype=np.uint8), np.zeros((len(partner), columns)))
+    first, row, partner, code = neighbor_rows.rows_of(n, images, meetings, classes, excluded, periodic=any(periodic))
+    return Pairs(first, row, partner, code, np.zeros(len(partner), dtype=np.uint8), np.zeros((len(partner), columns)))
 
 
 def _check_box(lo: Floats, hi: Floats, periodic: tuple[bool, bool, bool], reach: float) -> None:
@@ -145,11 +146,12 @@ def _morton(x, lo, inverse, top, keys):  # type: ignore[no-untyped-def]  # noqa:
     return largest
 
 
-def carry(old: Remembered, new: Pairs, wraps: Ints, outlives: bool, signs: Floats, bodies: Bodies, shifts: Floats, renumber: Ints) -> None:
+def carry(old: Remembered, new: Pairs, wraps: Wraps, outlives: bool, signs: Floats, bodies: Bodies, shifts: Floats, renumber: Ints) -> None:
     """Hands what is remembered of the old list to the new one.
 
     wraps: (n, 3) periodic wraps since the old list, by old row. signs: (c,) of the columns of the law's memory when the particles change places.
-    bodies, shifts: as they are now. renumber: (n,) where old row r now stands.
+    bodies, shifts: as they are now. renumber: (n,) where old row r now stands; (0,) if
+    where it stood.
 
     What touched at the last step goes over (LAMMPS). With `outlives`, what has touched since the last list goes over, but its
     tangential history only if the pair overlaps now (LIGGGHTS).

@@ -208,8 +208,7 @@ class Simulation:
         return shifts
 
     def _run(self, start: int, steps: int) -> tuple[int, bool]:
-        if self._threads > 1:
-            _use_threads(self._threads)
+        _use_threads(self._threads)
         done, self._age, due = self._kernel.run_steps(
             start, steps, self._age, self._rhythm(), self._bodies, flat_of(self._bodies), self._movers, self._pairs, self._near, self._shifts(),
             self._equal, self._coefficients, self.scene.ntypes, self._flat_walls(), self._fields, self.scene.timestep, self._tallies, self._paces,
@@ -229,6 +228,7 @@ class Simulation:
 
     def _relist(self) -> None:
         """What the engines do when the list is due: wrap, shrink the box, drop the lost, list the pairs, carry their memory."""
+        _use_threads(self._threads)
         self._check_finite("x")
         b = self._bodies
         low, high = bounds_of(b.x)
@@ -240,20 +240,20 @@ class Simulation:
         self._age = 0
         if self._has.PAIRS:
             place = self._resort()
-            old, columns, b = neighbors.remembered(self._pairs, self._near.listed_row), self._pairs.memory.shape[1], self._bodies
+            old, columns, b = neighbors.remembered(self._pairs), self._pairs.memory.shape[1], self._bodies
             self._allot(neighbors.empty_pairs(len(self.id), columns))  # the rest of the old list makes room
             keep_frozen = columns > 0 or self.virial  # what a frozen contact remembers counts again when it is set free
-            new = neighbors.build(self.scene, b, self.box_lo, self.box_hi, columns, frozen_pairs=keep_frozen)
+            new = neighbors.build(self.scene, b, self.box_lo, self.box_hi, columns, frozen_pairs=keep_frozen, threads=self._threads)
             neighbors.carry(old, new, wraps, self.scene.history_outlives_contact, self._signs, b, self._shifts(), place)
             self._allot(new)
         self._bodies.held[:] = self._bodies.x
 
     def _resort(self) -> Ints:
-        """Every so many lists, sorts the rows in space. Returns (n,) where each row stands now."""
+        """Every so many lists, sorts the rows in space. Returns (n,) where each row stands now, (0,) when they are as they were."""
         n = len(self.id)
         self._lists += 1
         if n <= SORT_FROM or self._lists % SORT_EVERY != 1:
-            return np.arange(n)
+            return np.zeros(0, dtype=np.int64)
         b = self._bodies
         rows = _movers_first(b, neighbors.morton_order(b.x, bounds_of(b.x)[0], 2.0 * float(b.radius.max())))
         self._sort(rows)
@@ -316,7 +316,7 @@ class Simulation:
             if second in "sm":
                 self.box_hi[axis] = high if second == "s" else max(high, self.scene.box.hi[axis])
 
-    def _without_lost(self, wraps: Ints) -> Ints:
+    def _without_lost(self, wraps: neighbors.Wraps) -> neighbors.Wraps:
         """Drops what left through a fixed face, or raises LostParticles. Returns the rows of wraps (n, 3) that stayed."""
         x = self._bodies.x
         gone = np.zeros(len(x), dtype=bool)
@@ -402,6 +402,9 @@ def _movers_first(b: Bodies, rows: Ints) -> Ints:
 
 
 def _use_threads(threads: int) -> None:
+    """For the loops that follow."""
+    if threads == 1:
+        return
     import numba
 
     numba.config.THREADING_LAYER_PRIORITY = ["omp", "tbb", "workqueue"]  # type: ignore[attr-defined]  # as soon as possible: OpenMP's threads wait awake

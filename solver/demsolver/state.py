@@ -56,7 +56,7 @@ class Flat(NamedTuple):
 class Pairs(NamedTuple):
     """The neighbour list in rows: entries of particle i are first[i]:first[i + 1]. Every pair stands in the row of its lower index.
 
-    first: (n + 1,) int64. partner: (m,) uint32, ascending within a row, ties by code. code: (m,) uint8, or (0,) when no face of the box is
+    first: (n + 1,) int64. row, partner: (m,) uint32, ascending within a row, ties by code. code: (m,) uint8, or (0,) when no face of the box is
     periodic: s + 32 a, where s is the row of neighbors.SHIFTS by which the image of the other particle is shifted as seen from the particle
     that feels the entry; a = 0: the row's particle feels it, 1: the partner does. A pair with no face between them (s = HOME) is listed once and
     felt by both; across a face it is listed twice, once for each. touching: (m,) uint8. memory: (m, c) floats that belong to the contact, as the
@@ -64,6 +64,7 @@ class Pairs(NamedTuple):
     """
 
     first: Ints
+    row: NDArray[np.uint32]
     partner: NDArray[np.uint32]
     code: NDArray[np.uint8]
     touching: NDArray[np.uint8]

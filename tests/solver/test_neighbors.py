@@ -30,15 +30,17 @@ def scene_of(x, radius, lo, hi, *, periodic=(False, False, False), skin=0.1, typ
     return Scene(box, p, 3, 1e-3, pair=law((3, 3)), forces=forces, neighbor=Neighbor(skin, **neighbor))
 
 
-def build(scene: Scene, columns: int = 0, *, frozen_pairs: bool = True, bodies: Bodies | None = None) -> Pairs:
+def build(scene: Scene, columns: int = 0, *, frozen_pairs: bool = True, bodies: Bodies | None = None, threads: int = 1) -> Pairs:
     """The list of a scene at its own positions."""
-    return neighbors.build(scene, bodies or bodies_of(scene, aside=False), scene.box.lo, scene.box.hi, columns, frozen_pairs=frozen_pairs)
+    bodies = bodies or bodies_of(scene, aside=False)
+    return neighbors.build(scene, bodies, scene.box.lo, scene.box.hi, columns, frozen_pairs=frozen_pairs, threads=threads)
 
 
 def entries(pairs: Pairs) -> np.ndarray:
     """(m, 3) row, partner and code of every entry."""
     code = pairs.code.astype(int) if len(pairs.code) else np.full(len(pairs.partner), HOME)
-    return np.column_stack([np.repeat(np.arange(len(pairs.first) - 1), np.diff(pairs.first)), pairs.partner.astype(int), code])
+    assert np.array_equal(pairs.row, np.repeat(np.arange(len(pairs.first) - 1), np.diff(pairs.first)))
+    return np.column_stack([pairs.row.astype(int), pairs.partner.astype(int), code])
 
 
 def felt(pairs: Pairs) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -99,13 +101,15 @@ def random_scene(seed: int, sizes: str, periodic: tuple[bool, bool, bool], skin:
 @settings(max_examples=150, deadline=None)
 @given(
     seed=SEEDS, sizes=st.sampled_from(list(RADII)), periodic=st.tuples(*[st.booleans()] * 3), skin=st.sampled_from([0.0, 0.05, 0.3]),
-    frozen_pairs=st.booleans(),
+    frozen_pairs=st.booleans(), threads=st.integers(1, 3),
 )  # fmt: skip
-def test_the_list_is_every_pair_within_reach(seed: int, sizes: str, periodic: tuple[bool, bool, bool], skin: float, frozen_pairs: bool) -> None:
+def test_the_list_is_every_pair_within_reach(
+    seed: int, sizes: str, periodic: tuple[bool, bool, bool], skin: float, frozen_pairs: bool, threads: int
+) -> None:
     """Law: the list is exactly the pairs that trying all out finds, self images included, each once at home and twice across a face, in the row
-    of its lower index, partners ascending and ties by code."""
+    of its lower index, partners ascending and ties by code; however many search."""
     scene = random_scene(seed, sizes, periodic, skin)
-    pairs = build(scene, 2, frozen_pairs=frozen_pairs)
+    pairs = build(scene, 2, frozen_pairs=frozen_pairs, threads=threads)
     assert np.array_equal(entries(pairs), every_pair(scene, frozen_pairs=frozen_pairs))
     assert (pairs.first.dtype, pairs.partner.dtype, pairs.code.dtype) == (np.int64, np.uint32, np.uint8)
     assert len(pairs.code) == (len(pairs.partner) if any(periodic) else 0)
@@ -314,8 +318,7 @@ def carried(old: Pairs, scene: Scene, wraps: np.ndarray, place: np.ndarray, *, o
     bodies = bodies_of(scene, aside=False)
     new = build(scene, old.memory.shape[1], bodies=bodies)
     shifts = SHIFTS * (np.array(scene.box.hi) - scene.box.lo)
-    row = np.repeat(np.arange(len(old.first) - 1, dtype=np.uint32), np.diff(old.first))
-    neighbors.carry(neighbors.remembered(old, row), new, wraps, outlives, SIGNS, bodies, shifts, place)
+    neighbors.carry(neighbors.remembered(old), new, wraps, outlives, SIGNS, bodies, shifts, place)
     return new
 
 
