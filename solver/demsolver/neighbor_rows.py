@@ -26,23 +26,32 @@ LOWEST_BIT = np.array([0, 0, 1, 0, 2, 0, 1, 0, 3, 0, 1, 0, 2, 0, 1, 0])  # of th
 def rows_of(
     n: int, images: Images, meetings: list[Meetings], classes: Numbers, excluded: NDArray[np.bool_], *, periodic: bool
 ) -> tuple[Ints, Numbers, Numbers, Codes]:
-    """first, row, partner, code of state.Pairs. classes: (n,), of which those pairs are left out that `excluded` (k, k) names."""
-    room = sum(_count(part.lanes) for found in meetings for part in found.parts)
-    pairs = np.empty(room, dtype=np.uint64)  # two indices of 32 bits in one number
+    """first, row, partner, code of state.Pairs. classes: (n,), of which those pairs are left out that `excluded` (k, k) names. meetings: emptied."""
     first, place = np.zeros(n + 1, dtype=np.int64), np.zeros(n + 1, dtype=np.uint32)
-    home = faces = 0
-    for found in meetings:
-        for part in found.parts:
-            home, faces = _collect(n, images.owner, found.asking, found.asked, part, classes, excluded, pairs, home, faces, first, place)
+    pairs, home, faces = _collected(n, images.owner, meetings, classes, excluded, first, place)
+    meetings.clear()  # they take as much room as the list
     crossing, crossing_code = np.empty(2 * faces, dtype=np.uint64), np.empty(2 * faces, dtype=np.uint8)
-    _mirror(n, images.owner, images.code, pairs[room - faces :], crossing, crossing_code, first, place)
+    _mirror(n, images.owner, images.code, pairs[len(pairs) - faces :], crossing, crossing_code, first, place)
     by_row = _cumulate(first, place)
     m = home + 2 * faces
     by_partner, by_partner_code = np.empty(m, dtype=np.uint64), _home_codes(m, periodic=periodic)
     _by_partner(pairs[:home], crossing, crossing_code, place, by_partner, by_partner_code)
+    del pairs, crossing
     row, partner, code = np.empty(m, dtype=np.uint32), np.empty(m, dtype=np.uint32), _home_codes(m, periodic=periodic)
     _by_row(by_partner, by_partner_code, first, by_row, row, partner, code)
     return first, row, partner, code
+
+
+def _collected(
+    n: int, owner: Numbers, meetings: list[Meetings], classes: Numbers, excluded: NDArray[np.bool_], rows: Ints, partners: Numbers
+) -> tuple[NDArray[np.uint64], int, int]:
+    """Pairs, two indices of 32 bits in one number, and how many are at home and across faces: see _collect."""
+    pairs = np.empty(sum(_count(part.lanes) for found in meetings for part in found.parts), dtype=np.uint64)
+    home = faces = 0
+    for found in meetings:
+        for part in found.parts:
+            home, faces = _collect(n, owner, found.asking, found.asked, part, classes, excluded, pairs, home, faces, rows, partners)
+    return pairs, home, faces
 
 
 def _home_codes(m: int, *, periodic: bool) -> Codes:

@@ -6,6 +6,7 @@ from dataclasses import replace
 from typing import Any, Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
 from demsolver import contact, neighbors
 from demsolver.bind_law import coefficient_table, memory_signs
@@ -59,7 +60,7 @@ class Simulation:
         self.scene = scene
         self.step = 0
         self.box_lo, self.box_hi = np.array(scene.box.lo, dtype=float), np.array(scene.box.hi, dtype=float)
-        self.id: Ints = np.array(scene.particles.id, dtype=np.int64)
+        self.id: Ints = np.asarray(scene.particles.id, dtype=np.int64)
         self.virial = virial
         self._budget, self._precision = budget, precision
         self._has = features(scene, threads, budget=budget, virial=virial)
@@ -68,10 +69,10 @@ class Simulation:
         self._signs = memory_signs(scene.pair)
         self._extra = BUDGET_COLUMNS if budget else 0
         self._order: Ints = np.arange(len(self.id))
-        self._image: Ints = np.array(scene.particles.image, dtype=np.int64)
+        self._image: NDArray[np.int32] = np.array(scene.particles.image, dtype=np.int32)
         aside = self._has.SHIFTING or self._has.IMPLICIT
         self._bodies: Bodies = bodies_of(scene, aside=aside, rotates=self._has.ROTATES, uniform=self._has.UNIFORM)
-        self._still: Floats = np.array(scene.particles.omega, dtype=float)
+        self._still: Floats = np.array(scene.particles.omega[: 0 if self._has.ROTATES else len(self.id)], dtype=float)
         self._walls = tuple(self._wall_arrays(wall) for wall in scene.walls)
         self._fields = self._field_arrays()
         self._coefficients = self._pair_coefficients()
@@ -99,7 +100,7 @@ class Simulation:
     @property
     def image(self) -> Ints:
         """(n, 3) periodic wraps, in the scene's order."""
-        return _outside(self._image, self._order)
+        return _outside(self._image, self._order).astype(np.int64)
 
     @property
     def threads(self) -> int:
@@ -239,12 +240,15 @@ class Simulation:
         wraps = self._without_lost(wraps)
         self._age = 0
         if self._has.PAIRS:
-            place = self._resort()
-            old, columns, b = neighbors.remembered(self._pairs), self._pairs.memory.shape[1], self._bodies
-            self._allot(neighbors.empty_pairs(len(self.id), columns))  # the rest of the old list makes room
+            pairs, columns = self._pairs, self._pairs.memory.shape[1]
+            self._allot(neighbors.empty_pairs(len(self.id), columns))  # the old list makes room
+            old = neighbors.remembered(pairs)
+            del pairs
+            place, b = self._resort(), self._bodies
             keep_frozen = columns > 0 or self.virial  # what a frozen contact remembers counts again when it is set free
             new = neighbors.build(self.scene, b, self.box_lo, self.box_hi, columns, frozen_pairs=keep_frozen, threads=self._threads)
             neighbors.carry(old, new, wraps, self.scene.history_outlives_contact, self._signs, b, self._shifts(), place)
+            del old
             self._allot(new)
         self._bodies.held[:] = self._bodies.x
 
@@ -264,7 +268,12 @@ class Simulation:
     def _sort(self, rows: Ints) -> None:
         """Row k becomes what row rows[k] was."""
         n = len(self.id)
-        self._bodies = Bodies(*(array[rows] if len(array) == n else array for array in self._bodies))  # type: ignore[arg-type]
+        if len(rows) == n:  # in place: no second copy of everything
+            for array in self._bodies:
+                if len(array) == n:
+                    array[:] = array[rows]
+        else:
+            self._bodies = Bodies(*(array[rows] if len(array) == n else array for array in self._bodies))  # type: ignore[arg-type]
         self._image, self._order = self._image[rows], self._order[rows]
         self._walls = tuple((g, bit, c, memory[rows], touching[rows]) for g, bit, c, memory, touching in self._walls)
         numbers, bits, gammas, drag = self._fields
@@ -339,7 +348,8 @@ class Simulation:
         stays[self._order[keep]] = True
         pairs = without(self._pairs, keep)
         self._sort(np.flatnonzero(keep))
-        self.id, self._still = self.id[stays], self._still[stays]
+        self.id = self.id[stays]
+        self._still = self._still[stays] if len(self._still) else self._still
         self._order = (np.cumsum(stays) - 1)[self._order]
         self._movers = int(self._bodies.moving.sum())
         self._allot(pairs)
