@@ -1,9 +1,10 @@
-"""How time and memory grow with the number of particles, and what mixed precision gives: `python benchmarks/scale.py [N ...]`.
+"""How time and memory grow with the number of particles, with sizes, and what mixed precision gives: `python benchmarks/scale.py [N ...]`.
 
 A slightly loosened crystal of equal spheres under gravity between periodic sides, with friction and history, 10,000, 100,000 and 1,000,000 by default
-(5 minutes, 1 GB), each in a process of its own. Printed: nanoseconds a particle and step, of steps alone and with the renewals of the neighbour
-list that a flow of this speed needs; contacts a particle; bytes a particle at the peak, beyond those of a run of 1,000. Then the same in mixed
-precision, with the largest error of a force relative to the largest force.
+(3 minutes, 1 GB), each in a process of its own. Printed: nanoseconds a particle and step, of steps alone and with the renewals of the neighbour
+list that a flow of this speed needs; contacts a particle; bytes a particle at the peak, beyond those of a run of 1,000. The same in mixed
+precision, with the largest error of a force relative to the largest force. Then settled beds of equal spheres and of sizes up to ten to one: what a
+contact costs.
 """
 
 from __future__ import annotations
@@ -12,6 +13,7 @@ import json
 import subprocess
 import sys
 import time
+from dataclasses import replace
 from pathlib import Path
 from statistics import median
 
@@ -19,6 +21,7 @@ import numpy as np
 
 ROOT = Path(__file__).parents[1]
 SIZES = (10_000, 100_000, 1_000_000)
+BEDS = {"equal": (1.0,), "two sizes, 10:1": (10.0, 1.0), "four sizes, 10:1": (10.0, 4.64, 2.15, 1.0)}
 RADIUS, STEP = 0.005, 1e-5
 
 
@@ -46,6 +49,50 @@ def crystal(n: int):
         box, p, 1, STEP, pair=law((1, 1)), walls=(Wall("floor", Slab(2, lo=0.0), law((1,))),), forces=(Gravity((0.0, 0.0, -9.81)),),
         integrate=(NveSphere(),), neighbor=Neighbor(0.001),
     )  # fmt: skip
+
+
+def bed(radii: tuple[float, ...], n: int = 20_000):
+    """As much volume of each size (radii in mm), the larger first, each on a lattice of its own where nothing larger is, to be settled by 30 g."""
+    from scipy.spatial import cKDTree
+
+    from demsolver import Box, Gravity, Neighbor
+
+    rng = np.random.default_rng(1)
+    share = n / sum(1 / r**3 for r in radii) * 1e-9
+    side = (4 / 3 * np.pi * share * len(radii) / 0.62) ** (1 / 3)
+    x, radius = np.zeros((0, 3)), np.zeros(0)
+    for r in (r * 1e-3 for r in radii):
+        cells = int(side / (1.998 * r))
+        sites = (np.stack(np.meshgrid(*[np.arange(cells)] * 3, indexing="ij"), -1).reshape(-1, 3) + 0.5) * side / cells
+        sites = (sites + rng.uniform(-0.5, 0.5, sites.shape) * max(0.0, side / cells - 2 * r)) % side
+        free = np.ones(len(sites), dtype=bool)
+        for larger in np.unique(radius):
+            free &= cKDTree(x[radius == larger], boxsize=side).query(sites)[0] > 0.998 * (larger + r)
+        sites = rng.permutation(sites[free])[: round(share / r**3)]
+        x, radius = np.vstack([x, sites]), np.append(radius, np.full(len(sites), r))
+    scene, order = crystal(len(x)), rng.permutation(len(x))
+    mass = 2500.0 * 4.0 / 3.0 * np.pi * radius**3
+    particles = replace(scene.particles, x=x[order], radius=radius[order], mass=mass[order], v=np.zeros_like(x))
+    return replace(
+        scene, particles=particles, box=Box(np.zeros(3), np.array([side, side, 2 * side]), ("pp", "pp", "ff")),
+        timestep=float(np.pi * np.sqrt(mass.min() / 2 / 1e4) / 25), neighbor=Neighbor(2e-4), forces=(Gravity((0.0, 0.0, -300.0)),),
+    )  # fmt: skip
+
+
+def measure_bed(name: str) -> dict[str, float]:
+    """Nanoseconds a contact and step, lists included, of a settled bed."""
+    from demsolver import Simulation
+
+    simulation = Simulation(bed(BEDS[name]))
+    simulation.setup()
+    simulation.advance(20_000)
+    times = []
+    for _ in range(5):
+        began = time.perf_counter()
+        simulation.advance(400)
+        times.append((time.perf_counter() - began) / 400 * 1e9)
+    touching = int((simulation._pairs.touching & 1).sum())
+    return {"n": len(simulation.id), "contacts": touching / len(simulation.id), "contact": median(times) / touching}
 
 
 def peak_bytes() -> int:
@@ -96,15 +143,26 @@ def main(sizes: list[int]) -> None:
     print("       n  precision  ns/step  contacts  pairs  ns/list  bytes")
     for n in sizes:
         for precision in ("double", "mixed"):
-            command = [sys.executable, __file__, "--one", str(n), precision]
-            found = json.loads(subprocess.run(command, check=True, capture_output=True, text=True, cwd=ROOT).stdout)
+            found = _apart("--one", str(n), precision)
             step, contacts, pairs, listing, held = (found[name] for name in ("step", "contacts", "pairs", "list", "bytes"))
             print(f"{n:8d}  {precision:9s} {step:8.1f} {contacts:9.2f} {pairs:6.2f} {listing:8.0f} {held:6.0f}", flush=True)
     print(f"mixed precision: forces off by up to {force_error():.1e} of the largest")
+    for name in BEDS:
+        found = _apart("--bed", name)
+        print(f"bed, {name}: {found['n']} spheres, {found['contacts']:.2f} contacts each, {found['contact']:.1f} ns a contact and step", flush=True)
+
+
+def _apart(*words: str) -> dict[str, float]:
+    """What this file finds in a process of its own."""
+    done = subprocess.run([sys.executable, __file__, *words], check=True, capture_output=True, text=True, cwd=ROOT)
+    found: dict[str, float] = json.loads(done.stdout)
+    return found
 
 
 if __name__ == "__main__":
     if sys.argv[1:2] == ["--one"]:
         print(json.dumps(measure(int(sys.argv[2]), sys.argv[3])))
+    elif sys.argv[1:2] == ["--bed"]:
+        print(json.dumps(measure_bed(sys.argv[2])))
     else:
         main([int(word) for word in sys.argv[1:]] or list(SIZES))
