@@ -27,8 +27,9 @@ from demsolver.scene import (
     Wall,
 )  # fmt: skip
 from demsolver.simulate import LostParticles, Simulation, Unstable
+from demsolver.sleep import Sleep
 
 __all__ = [
     "Box", "ContactLaw", "Cylinder", "EnergyBudget", "Enforce2D", "EulerSphere", "Freeze", "Gravity", "LostParticles", "Neighbor", "NveSphere",
-    "Particles", "Plane", "Scene", "SetForce", "Simulation", "Slab", "Unstable", "Viscous", "Wall",
+    "Particles", "Plane", "Scene", "SetForce", "Simulation", "Slab", "Sleep", "Unstable", "Viscous", "Wall",
 ]  # fmt: skip

@@ -4,7 +4,8 @@ compiled once for all scenes with the same constants.
 In dense flow one listed pair in seven touches. At a renewal every listed pair is looked at: in straight flight at its present velocities the distance of
 two centres cannot fall below d + min(0, v.n) t. A particle departs from its straight flight by at most dt times the sum, over the steps, of the sum of
 the largest change of a velocity in each step so far; a sweep tells that change. The list is renewed before anyone has departed by more than it allows
-for, or when its span of steps is over: a pair that is not in it cannot touch. Pairs that touch, or did at the last step, are always in it.
+for, or when its span of steps is over: a pair that is not in it cannot touch. Pairs that touch, or did at the last step, are always in it, but
+for those in which neither moves while something sleeps (SLEEPS).
 
 Step laws move particles by more than their velocities, so there the list is renewed in every step, for that step.
 """
@@ -46,7 +47,10 @@ def near_chunk(c, b, movers, p, near, shifts, equal, span, leeway):
         # without a square root: distance - closing speed * span < close, times the distance
         ahead = square - max(closing, 0.0) * span
         near.listing[found] = k
-        found += np.uint64((ahead <= 0.0) | (ahead * ahead < close * close * square) | (p.touching[k] & 1 != 0))
+        can_touch = (ahead <= 0.0) | (ahead * ahead < close * close * square) | (p.touching[k] & 1 != 0)
+        if SLEEPS:
+            can_touch &= one + other > 0.0
+        found += np.uint64(can_touch)
     q, u = np.uint64(near.chunks[c, FIRST]), np.uint64(near.chunks[c, CROSS_FIRST])
     for h in range(begin, found):
         k = np.uint64(near.listing[h])

@@ -17,6 +17,7 @@ from demsolver.listed import Listed, listed, without
 from demsolver.near import near_of
 from demsolver.neighbor_grid import bounds_of
 from demsolver.scene import Box, Gravity, Particles, Plane, Scene, SetForce, Viscous, Wall
+from demsolver.sleep import Sleep, Sleepers, check_sleep
 from demsolver.specialise import BUDGET_COLUMNS, CHUNK, features, specialise
 from demsolver.state import Bodies, Floats, Ints, Pairs, bodies_of, flat_of, inertia_of, selected
 
@@ -47,23 +48,27 @@ class Simulation:
     every `run`; `advance(n)` runs n steps. Results are the same bits for any number of threads; scenes with step laws or implicit laws, and
     those too small to share out (specialise.CHUNK), run on one. `budget=True` also keeps the account of dissipated energy, `virial=True` the
     virial of the pairs. precision "mixed" takes the vector between two particles, their velocities against each other and the force between
-    them as float32; positions, velocities, sums and memories stay float64.
+    them as float32; positions, velocities, sums and memories stay float64. sleep: leaves islands at rest out of the steps (sleep.py states the
+    error); everybody wakes in `continue_with`.
 
     Inside, particles stand in rows of their own order, sorted in space. Outside they stand in the scene's: `bodies`, `pairs`, `image` and
     `particles()` are copies, made when asked for. id: (n,), of the particles that are left.
     """
 
     def __init__(
-        self, scene: Scene, *, threads: int = 1, budget: bool = False, virial: bool = False, precision: Precision = "double"
-    ) -> None:
+        self, scene: Scene, *, threads: int = 1, budget: bool = False, virial: bool = False, precision: Precision = "double",
+        sleep: Sleep | None = None,
+    ) -> None:  # fmt: skip
         check_scene(scene)
+        if sleep:
+            check_sleep(sleep, scene, books=budget or virial)
         self.scene = scene
         self.step = 0
         self.box_lo, self.box_hi = np.array(scene.box.lo, dtype=float), np.array(scene.box.hi, dtype=float)
         self.id: Ints = np.asarray(scene.particles.id, dtype=np.int64)
         self.virial = virial
         self._budget, self._precision = budget, precision
-        self._has = features(scene, threads, budget=budget, virial=virial)
+        self._has = features(scene, threads, budget=budget, virial=virial, sleeps=sleep is not None)
         self._asked, self._threads = threads, threads if self._has.THREADED else 1
         self._kernel = specialise(scene, self._has)
         self._signs = memory_signs(scene.pair)
@@ -79,6 +84,7 @@ class Simulation:
         self._equal = (float(scene.particles.radius[0]), float(scene.particles.mass[0])) if self._has.UNIFORM else (0.0, 0.0)
         self._tallies = np.zeros((0, 6))
         self._movers = int(self._bodies.moving.sum())
+        self._sleepers = Sleepers(sleep, len(self.id)) if sleep else None
         self._sort(_movers_first(self._bodies, np.arange(len(self.id))))
         self._allot(neighbors.empty_pairs(len(self.id), len(self._signs) + self._extra))
         self._age = self._lists = 0
@@ -88,6 +94,7 @@ class Simulation:
     def bodies(self) -> Bodies:
         """The arrays of the particles in the scene's order, as they are now: copies."""
         outside = Bodies(*(_outside(array, self._order) for array in self._bodies))
+        outside.force[self.asleep], outside.torque[self.asleep[: len(outside.torque)]] = 0.0, 0.0
         if self._has.ROTATES:
             return outside
         return outside._replace(omega=self._still.copy(), torque=np.zeros_like(outside.force))
@@ -103,6 +110,11 @@ class Simulation:
         return _outside(self._image, self._order).astype(np.int64)
 
     @property
+    def asleep(self) -> NDArray[np.bool_]:
+        """(n,) who sleeps, in the scene's order: their forces count as zero."""
+        return _outside(self._sleepers.asleep, self._order) if self._sleepers else np.zeros(len(self.id), dtype=bool)
+
+    @property
     def threads(self) -> int:
         """How many share the work."""
         return self._threads
@@ -115,6 +127,19 @@ class Simulation:
 
     def advance(self, steps: int) -> None:
         """Runs `steps` steps. Raises Unstable or LostParticles."""
+        if self._sleepers is None:
+            self._advance(steps)
+            return
+        while steps > 0:
+            portion = min(steps, self._sleepers.steps_to_look(self.step))
+            self._advance(portion)
+            steps -= portion
+            if self.step % self._sleepers.sleep.every == 0:
+                touching = [wall[-1] for wall in self._walls]
+                if self._sleepers.look(self._bodies, self._pairs, touching, self.scene.timestep):
+                    self._relist()
+
+    def _advance(self, steps: int) -> None:
         done, due = self._run(BEGIN, steps)
         while due:
             self._relist()
@@ -167,7 +192,9 @@ class Simulation:
     def forces(self) -> tuple[Floats, Floats]:
         """Forces and torques (n, 3) as they are now: copies."""
         force = _outside(self._bodies.force, self._order)
-        return force, _outside(self._bodies.torque, self._order) if self._has.ROTATES else np.zeros_like(force)
+        torque = _outside(self._bodies.torque, self._order) if self._has.ROTATES else np.zeros_like(force)
+        force[self.asleep], torque[self.asleep] = 0.0, 0.0
+        return force, torque
 
     def box(self) -> Box:
         """The box as it is now: shrink-wrapped faces follow the particles at every list rebuild."""
@@ -178,7 +205,12 @@ class Simulation:
         particles touch under a law of the same name, and a plane whose words are the same goes on from where it is. virial: None to leave
         it as it is."""
         virial = self.virial if virial is None else virial
-        other = Simulation(scene, threads=self._asked, budget=self._budget, virial=virial, precision=self._precision)
+        sleep = None
+        if self._sleepers:
+            sleep = self._sleepers.sleep
+            if self._sleepers.wake_all(self._bodies):  # whatever has changed, they may feel it
+                self._relist()
+        other = Simulation(scene, threads=self._asked, budget=self._budget, virial=virial, precision=self._precision, sleep=sleep)
         other.step = self.step
         if not np.array_equal(other.id, self.id):
             return other
@@ -250,15 +282,18 @@ class Simulation:
             neighbors.carry(old, new, wraps, self.scene.history_outlives_contact, self._signs, b, self._shifts(), place)
             del old
             self._allot(new)
+            if self._sleepers and self._sleepers.wake(self._bodies, new):
+                self._relist()
         self._bodies.held[:] = self._bodies.x
 
     def _resort(self) -> Ints:
         """Every so many lists, sorts the rows in space. Returns (n,) where each row stands now, (0,) when they are as they were."""
-        n = len(self.id)
+        n, b = len(self.id), self._bodies
+        movers = int(b.moving.sum())
         self._lists += 1
-        if n <= SORT_FROM or self._lists % SORT_EVERY != 1:
+        if movers == self._movers and (n <= SORT_FROM or self._lists % SORT_EVERY != 1):
             return np.zeros(0, dtype=np.int64)
-        b = self._bodies
+        self._movers = movers
         rows = _movers_first(b, neighbors.morton_order(b.x, bounds_of(b.x)[0], 2.0 * float(b.radius.max())))
         self._sort(rows)
         place = np.empty(n, dtype=np.int64)
@@ -275,6 +310,8 @@ class Simulation:
         else:
             self._bodies = Bodies(*(array[rows] if len(array) == n else array for array in self._bodies))  # type: ignore[arg-type]
         self._image, self._order = self._image[rows], self._order[rows]
+        if self._sleepers:
+            self._sleepers.sort(rows)
         self._walls = tuple((g, bit, c, memory[rows], touching[rows]) for g, bit, c, memory, touching in self._walls)
         numbers, bits, gammas, drag = self._fields
         self._fields = (numbers, bits, gammas, np.ascontiguousarray(drag[:, rows]))

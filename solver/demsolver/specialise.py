@@ -97,12 +97,13 @@ class Features:
     VERLET: bool
     THREADED: bool
     CHUNK: int
+    SLEEPS: bool
     UNIFORM: bool
     ONE_LAW: bool
     SAME_TORQUE: bool
 
 
-def features(scene: Scene, threads: int = 1, *, budget: bool = False, virial: bool = False) -> Features:
+def features(scene: Scene, threads: int = 1, *, budget: bool = False, virial: bool = False, sleeps: bool = False) -> Features:
     """What the loop of this scene needs. Raises ValueError for two integrators in one scene."""
     pair = scene.pair if meets(scene) else None
     schemes = {type(integrator) for integrator in scene.integrate}
@@ -131,6 +132,7 @@ def features(scene: Scene, threads: int = 1, *, budget: bool = False, virial: bo
         VERLET=schemes != {EulerSphere},
         THREADED=threads > 1 and not aside and len(scene.particles.id) > CHUNK,
         CHUNK=1 << 60 if aside else CHUNK,
+        SLEEPS=sleeps,
         UNIFORM=_uniform(scene),
         SAME_TORQUE=_uniform(scene) and pair is not None and not turns(pair),
         ONE_LAW=pair is not None and bool((coefficient_table(pair) == coefficient_table(pair)[0]).all()),
