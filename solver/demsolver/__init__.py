@@ -26,8 +26,9 @@ from demsolver.scene import (
     Viscous,
     Wall,
 )  # fmt: skip
-from demsolver.simulate import LostParticles, Simulation, Unstable
+from demsolver.simulate import Simulation
 from demsolver.sleep import Sleep
+from demsolver.trouble import LostParticles, Unstable
 
 __all__ = [
     "Box", "ContactLaw", "Cylinder", "EnergyBudget", "Enforce2D", "EulerSphere", "Freeze", "Gravity", "LostParticles", "Neighbor", "NveSphere",

@@ -68,12 +68,12 @@ def do_block(count, w, mine, b, p, near, equal, coefficients, ntypes, dt, advanc
         if THREADED and np.int64(a) >= mine:
             w = keep(w, a, 1.0, (GX, GY, GZ), near, u, lanes)
         else:
-            give(b, a, u, lanes)
+            give(b, a, u, near, lanes)
         if both:
             if THREADED and np.int64(o) >= mine:
                 w = keep(w, o, -1.0, TORQUE, near, u, lanes)
             else:
-                give_other(b, o, u, lanes)
+                give_other(b, o, u, near, lanes)
     return w
 
 
@@ -95,6 +95,8 @@ def give_kept(low, high, b, near):
         for u in range(near.chunks[c, KEPT_FIRST], near.chunks[c, KEPT_END]):
             i, kept = near.kept_row[u], near.kept_action[u]
             if low <= i < high:
+                if FREE:
+                    near.pushed[i >> 3] = 1
                 for d in range(3):
                     b.force[i, d] += kept[d]
                     if FRICTION or ROLLING:
@@ -114,20 +116,37 @@ def end_step(
         )
     low, high = c * CHUNK, min(b.x.shape[0], (c + 1) * CHUNK)
     jump = 0.0
-    for i in range(low, high):
-        wall_forces(i, b, walls, dt, advance, tally)
-        field_forces(i, b, fields, dt, advance, tally)
-        if PAIRS:  # nobody else asks
+    if FREE:  # who touches nothing flies on: only the eights of rows that were pushed are looked at
+        for k in range(low >> 3, (high + 7) >> 3):
+            if near.pushed[k] != 0:
+                jump = max(jump, push(8 * k, min(high, 8 * k + 8), mode, b, flat, movers))
+                if mode == GO_ON:
+                    near.pushed[k] = 0
+    else:
+        for i in range(low, high):
+            wall_forces(i, b, walls, dt, advance, tally)
+            field_forces(i, b, fields, dt, advance, tally)
+        jump = push(low, high, mode, b, flat, movers)
+    if mode == GO_ON:
+        drift(low, min(high, movers), flat, dt)
+    return 4.0 * jump if VERLET else jump
+
+
+@inlined
+def push(low, high, mode, b, flat, movers):
+    """What forces do to the particles low..high at the end of a step. Returns the largest squared change of a velocity by a kick."""
+    jump = 0.0
+    if PAIRS:  # nobody else asks
+        for i in range(low, high):
             k = b.kick[0 if UNIFORM else i, 0]
             jump = max(jump, k * k * (b.force[i, 0] ** 2 + b.force[i, 1] ** 2 + b.force[i, 2] ** 2))
     last = min(high, movers)
     if mode == GO_ON:
         kick(low, last, 1.0 if VERLET else 0.0, flat)
-        drift(low, last, flat, dt)
         clear(low, high, b)
     elif mode == FINISH and VERLET:
         kick(low, last, 0.0, flat)
-    return 4.0 * jump if VERLET else jump
+    return jump
 
 
 @threaded
@@ -189,6 +208,7 @@ def run_steps(start, steps, age, rhythm, b, flat, movers, p, near, shifts, equal
         drift(NONE, movers, flat, dt)
     if steps > 0 or start == 2:
         clear(NONE, n, b)
+        near.pushed[:] = 0
     if start != 0:
         near.scale[1] = 0.0
     fastest = top_speed(movers, b)

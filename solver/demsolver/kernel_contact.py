@@ -278,8 +278,10 @@ def aside(b, i, size, nx, ny, nz):
 
 
 @inlined
-def give(b, a, u, lanes):
+def give(b, a, u, near, lanes):
     """Adds what lane u found to the force and torque of who feels it."""
+    if FREE:
+        near.pushed[a >> np.uint64(3)] = 1
     b.force[a, 0] += lanes[PX + u]
     b.force[a, 1] += lanes[PY + u]
     b.force[a, 2] += lanes[PZ + u]
@@ -290,8 +292,10 @@ def give(b, a, u, lanes):
 
 
 @inlined
-def give_other(b, o, u, lanes):
+def give_other(b, o, u, near, lanes):
     """The same for the other."""
+    if FREE:
+        near.pushed[o >> np.uint64(3)] = 1
     b.force[o, 0] -= lanes[PX + u]
     b.force[o, 1] -= lanes[PY + u]
     b.force[o, 2] -= lanes[PZ + u]

@@ -15,12 +15,12 @@ class Near(NamedTuple):
     """Pairs that can touch soon. Rows are cut into chunks; chunks: (c, 6), where its entries stand: FIRST, END of those with partners in the same
     chunk, CROSS_FIRST, CROSS_END of those with partners in later ones; KEPT_FIRST, KEPT_END of what several threads keep of those.
 
-    Of an entry: row and partner; its code (as in Pairs); `entry`, its place in the list of
-    all pairs, where what it remembers stands. listing: (m + 1,) scratch while the list is made. With several threads: share, cross_share (t + 1,):
-    thread t does the chunks share[t] to share[t + 1], of the pairs between chunks cross_share[t] to cross_share[t + 1]; kept_row (x,), kept_action
-    (x, 6 or 3): what these do to particles of another thread's chunks, force and torque. lanes, past, who: (t, ...) scratch of each thread, a
-    block of contacts; lanes are float32 in mixed precision. scale: mean radius; bound of the way of any particle since the list of all
-    pairs was built.
+    Of an entry: row and partner; its code (as in Pairs); `entry`, its place in the list of all pairs, where what it remembers stands. listing:
+    (m + 1,) scratch while the list is made. pushed: (n / 8,) whether a contact acts on any of eight rows. With several threads: share, cross_share
+    (t + 1,): thread t does the chunks share[t] to share[t + 1], of the pairs between chunks cross_share[t] to cross_share[t + 1]; kept_row
+    (x,), kept_action (x, 6 or 3): what these do to particles of another thread's chunks, force and torque. lanes, past, who: (t, ...) scratch of
+    each thread, a block of contacts; lanes are float32 in mixed precision. scale: mean radius; bound of the way of any particle since
+    the list of all pairs was built.
     """
 
     chunks: Ints
@@ -29,6 +29,7 @@ class Near(NamedTuple):
     entry: NDArray[np.uint32]
     listing: NDArray[np.uint32]
     code: NDArray[np.uint8]
+    pushed: NDArray[np.uint8]
     kept_row: Ints
     kept_action: Floats
     share: Ints
@@ -60,7 +61,7 @@ def near_of(pairs: Pairs, radius: Floats, chunk: int, threads: int, *, turns: bo
         chunks=np.column_stack([first, first, cross_first, cross_first, kept_first, kept_first]),
         row=np.empty(m, dtype=np.uint32), partner=np.empty(m, dtype=np.uint32), entry=np.empty(m, dtype=np.uint32),
         listing=np.empty(m + 1, dtype=np.uint32),
-        code=np.empty(len(pairs.code), dtype=np.uint8),
+        code=np.empty(len(pairs.code), dtype=np.uint8), pushed=np.zeros((n + 7) // 8, dtype=np.uint8),
         kept_row=np.empty(kept, dtype=np.int64), kept_action=np.empty((kept, 6 if turns else 3)),
         share=np.linspace(0, count, threads + 1).astype(np.int64), cross_share=np.linspace(0, count, threads + 1).astype(np.int64),
         lanes=np.empty((threads, BLOCK * FIELDS), dtype=np.float32 if mixed else np.float64),

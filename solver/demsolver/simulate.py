@@ -9,34 +9,25 @@ import numpy as np
 from numpy.typing import NDArray
 
 from demsolver import contact, neighbors
-from demsolver.bind_law import coefficient_table, memory_signs
-from demsolver.bind_walls import PLACE, wall_geometry
+from demsolver.bind_law import memory_signs
+from demsolver.bind_scene import field_arrays, pair_coefficients, wall_arrays
+from demsolver.bind_walls import PLACE
 from demsolver.check import check_scene
 from demsolver.energy_budget import EnergyBudget
 from demsolver.listed import Listed, listed, without
 from demsolver.near import near_of
 from demsolver.neighbor_grid import bounds_of
-from demsolver.scene import Box, Gravity, Particles, Plane, Scene, SetForce, Viscous, Wall
+from demsolver.scene import Box, Gravity, Particles, Plane, Scene
 from demsolver.sleep import Sleep, Sleepers, check_sleep
 from demsolver.specialise import BUDGET_COLUMNS, CHUNK, features, specialise
 from demsolver.state import Bodies, Floats, Ints, Pairs, bodies_of, flat_of, inertia_of, selected
+from demsolver.trouble import LostParticles, Unstable, check_finite, check_flight, refused
 
-_SAID = {"x": "positions", "v": "velocities", "omega": "spins", "force": "forces", "torque": "torques"}
 SORT_FROM = CHUNK
 """Fewer particles than this fit a core's cache in any order."""
 SORT_EVERY = 24
 """Lists between two sortings: neighbours drift apart slowly."""
 BEGIN, MIDDLE, SETUP = 0, 1, 2  # where kernel.run_steps starts
-NOT_SOLVED = -2  # what an implicit step may answer; else -1: out of the list
-
-
-class LostParticles(RuntimeError):
-    """Particles left the box through a fixed face, or went off to infinity."""
-
-
-class Unstable(RuntimeError):
-    """A position, velocity or force became infinite or NaN."""
-
 
 Precision = Literal["double", "mixed"]
 
@@ -78,9 +69,9 @@ class Simulation:
         aside = self._has.SHIFTING or self._has.IMPLICIT
         self._bodies: Bodies = bodies_of(scene, aside=aside, rotates=self._has.ROTATES, uniform=self._has.UNIFORM)
         self._still: Floats = np.array(scene.particles.omega[: 0 if self._has.ROTATES else len(self.id)], dtype=float)
-        self._walls = tuple(self._wall_arrays(wall) for wall in scene.walls)
-        self._fields = self._field_arrays()
-        self._coefficients = self._pair_coefficients()
+        self._walls = tuple(wall_arrays(wall, len(self.id), self._extra) for wall in scene.walls)
+        self._fields = field_arrays(scene)
+        self._coefficients = pair_coefficients(scene, one=self._has.ONE_LAW)
         self._equal = (float(scene.particles.radius[0]), float(scene.particles.mass[0])) if self._has.UNIFORM else (0.0, 0.0)
         self._tallies = np.zeros((0, 6))
         self._movers = int(self._bodies.moving.sum())
@@ -123,7 +114,7 @@ class Simulation:
         """Wraps, rebuilds the list, and computes forces with the velocities as they are, without growing any history."""
         self._relist()
         self._run(SETUP, 0)
-        self._check_finite()
+        check_finite(self._bodies, self.step, self.scene)
 
     def advance(self, steps: int) -> None:
         """Runs `steps` steps. Raises Unstable or LostParticles."""
@@ -145,7 +136,7 @@ class Simulation:
             self._relist()
             more, due = self._run(MIDDLE, steps - done)
             done += more
-        self._check_finite()
+        check_finite(self._bodies, self.step, self.scene)
 
     def energy_budget(self) -> EnergyBudget:
         """The account of energy now; needs budget=True."""
@@ -247,25 +238,18 @@ class Simulation:
             self._equal, self._coefficients, self.scene.ntypes, self._flat_walls(), self._fields, self.scene.timestep, self._tallies, self._paces,
         )  # fmt: skip
         if done < 0:
-            raise Unstable(self._refused(done))
+            raise Unstable(refused(done, self.step, self.scene))
         self.step += done
         return done, due
-
-    def _refused(self, code: int) -> str:
-        if code == NOT_SOLVED:
-            return f"the contacts of step {self.step + 1} could not be solved together: shorten the timestep {self.scene.timestep:g}"
-        return (
-            f"a particle moves more than half the skin {self.scene.neighbor.skin:g} of the neighbour list in step {self.step + 1}: "
-            f"make the skin longer, or shorten the timestep {self.scene.timestep:g}"
-        )
 
     def _relist(self) -> None:
         """What the engines do when the list is due: wrap, shrink the box, drop the lost, list the pairs, carry their memory."""
         _use_threads(self._threads)
-        self._check_finite("x")
+        check_finite(self._bodies, self.step, self.scene, "x")
         b = self._bodies
         low, high = bounds_of(b.x)
-        self._check_flight(low, high)
+        if self.step > 0:
+            check_flight(low, high, self.box_lo, self.box_hi, self.step, self.scene)
         wraps = neighbors.wrap(b.x, self.box_lo, self.box_hi, self.scene.box.periodic)
         self._image += wraps
         self._shrink(low, high)
@@ -329,27 +313,6 @@ class Simulation:
             self._tallies, self._paces = np.zeros((chunks, 6)), np.zeros(chunks)
             self._tallies[0] = spent
 
-    def _check_finite(self, *names: str) -> None:
-        """Raises Unstable; looks at everything that moves, or only at `names`."""
-        for name in names or ("x", "v", "omega", "force", "torque"):
-            if not np.isfinite(getattr(self._bodies, name)).all():
-                message = (
-                    f"{_SAID[name]} became infinite by step {self.step}: the timestep {self.scene.timestep:g} is too long, "
-                    "or particles overlap too far"
-                )
-                raise Unstable(message)
-
-    def _check_flight(self, low: Floats, high: Floats) -> None:
-        """Raises Unstable where a particle flew farther than through one face of the periodic box since the last list: nobody knows where it is.
-        low, high: (3,) outermost coordinates."""
-        length = np.where(self.scene.box.periodic, self.box_hi - self.box_lo, np.inf)
-        if self.step > 0 and ((low < self.box_lo - length) | (high >= self.box_hi + length)).any():
-            message = (
-                f"a particle flew through the whole periodic box by step {self.step}: the timestep {self.scene.timestep:g} is too long, "
-                "or particles overlap too far"
-            )
-            raise Unstable(message)
-
     def _shrink(self, lows: Floats, highs: Floats) -> None:
         """Fits faces that follow the particles; lows, highs: (3,) outermost coordinates, which wrapping has not changed on such axes."""
         if not len(self._bodies.x):
@@ -391,40 +354,12 @@ class Simulation:
         self._movers = int(self._bodies.moving.sum())
         self._allot(pairs)
 
-    def _wall_arrays(self, wall: Wall) -> tuple[Floats, int, Floats, Floats, np.ndarray]:
-        n, columns = len(self.id), len(memory_signs(wall.law)) + self._extra
-        return wall_geometry(wall), wall.bit, coefficient_table(wall.law), np.zeros((n, columns)), np.zeros(n, dtype=np.uint8)
-
-    def _pair_coefficients(self) -> Floats | tuple[float, ...]:
-        """The table of the pair law; of one law for all types its row."""
-        table = coefficient_table(self.scene.pair) if self.scene.pair else np.zeros((1, 1))
-        return tuple(table[0].tolist()) if self._has.ONE_LAW else table
-
-    def _field_arrays(self) -> tuple[Floats, Ints, Floats, Floats]:
-        forces = self.scene.forces
-        drags = [f for f in forces if isinstance(f, Viscous)]
-        return (
-            np.array([_field_numbers(f) for f in forces]).reshape(-1, 3),
-            np.array([f.bit for f in forces], dtype=np.int64),
-            np.array([d.gamma for d in drags], dtype=float).reshape(len(drags), self.scene.ntypes if drags else 0),
-            np.zeros((len(drags), len(self.id), 3)),
-        )
-
     def _gravitational(self, b: Bodies) -> float:
         unwrapped = b.x + self.image * (self.box_hi - self.box_lo)
         fields = [f for f in self.scene.forces if isinstance(f, Gravity)]
         return -sum(
             float(np.sum((b.mass * (unwrapped @ np.array(f.acceleration)))[selected(b.mask, f.bit) & b.moving & ~b.frozen])) for f in fields
         )
-
-
-def _field_numbers(force: object) -> tuple[float, float, float]:
-    if isinstance(force, Gravity):
-        return force.acceleration
-    if isinstance(force, SetForce):
-        x, y, z = (0.0 if c is None else c for c in force.force)
-        return x, y, z
-    return 0.0, 0.0, 0.0
 
 
 def _same_law(a: Scene, b: Scene) -> bool:

@@ -98,6 +98,7 @@ class Features:
     THREADED: bool
     CHUNK: int
     SLEEPS: bool
+    FREE: bool
     UNIFORM: bool
     ONE_LAW: bool
     SAME_TORQUE: bool
@@ -133,6 +134,7 @@ def features(scene: Scene, threads: int = 1, *, budget: bool = False, virial: bo
         THREADED=threads > 1 and not aside and len(scene.particles.id) > CHUNK,
         CHUNK=1 << 60 if aside else CHUNK,
         SLEEPS=sleeps,
+        FREE=pair is not None and not scene.forces and not scene.walls and not aside,
         UNIFORM=_uniform(scene),
         SAME_TORQUE=_uniform(scene) and pair is not None and not turns(pair),
         ONE_LAW=pair is not None and bool((coefficient_table(pair) == coefficient_table(pair)[0]).all()),

@@ -50,6 +50,7 @@ def test_what_a_scene_lacks_is_not_there() -> None:
     assert (len(simulation._pairs.code), len(near.code), len(near.kept_action)) == (0, 0, 0)
     assert isinstance(simulation._coefficients, tuple)
     has = features(scene)
+    assert has.FREE  # whoever touches nothing is not looked at
     assert not any((has.FRICTION, has.ROLLING, has.ROTATES, has.BUDGET, has.VIRIAL, has.PERIODIC, has.FROZEN, has.MOVING, has.THREADED))
     text = source(scene, has)
     assert "def wall_forces(i, b, walls, dt, advance, tally):\n    pass\n" in text
@@ -57,6 +58,7 @@ def test_what_a_scene_lacks_is_not_there() -> None:
     full = features(replace(scene, pair=law((1, 1)), forces=(Gravity((0.0, 0.0, -1.0)),)), budget=True)
     assert full.FRICTION
     assert full.ROTATES
+    assert not full.FREE
     assert full.BASE == 3
 
 
@@ -118,10 +120,17 @@ def pile(n: int = 3 * CHUNK + 100, friction: str = "classic_history", *, outlive
     )  # fmt: skip
 
 
-@pytest.mark.parametrize("outlives", [False, True])
-def test_any_number_of_threads_gives_the_same_bits(outlives: bool) -> None:
+THREADED = {
+    "pile": pile,
+    "pile, LIGGGHTS' histories": lambda: pile(outlives=True),
+    "gas": lambda: gas(2 * CHUNK + 100, size=0.156, speed=3.0, friction="classic_history", periodic=True),
+}
+
+
+@pytest.mark.parametrize("name", THREADED)
+def test_any_number_of_threads_gives_the_same_bits(name: str) -> None:
     """Law: one, two and three threads leave the same bits, over list renewals, across chunks and periodic faces."""
-    scene = pile(outlives=outlives)
+    scene = THREADED[name]()
     one, two, three = (after(scene, 120, threads=threads) for threads in (1, 2, 3))
     for other in (two, three):
         assert np.array_equal(one.x, other.x)

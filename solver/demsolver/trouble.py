@@ -1,0 +1,50 @@
+"""What a run can die of, and how it is said."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from demsolver.scene import Scene
+from demsolver.state import Bodies, Floats
+
+NOT_SOLVED = -2  # what an implicit step may answer; else -1: out of the list
+_SAID = {"x": "positions", "v": "velocities", "omega": "spins", "force": "forces", "torque": "torques"}
+
+
+class LostParticles(RuntimeError):
+    """Particles left the box through a fixed face, or went off to infinity."""
+
+
+class Unstable(RuntimeError):
+    """A position, velocity or force became infinite or NaN."""
+
+
+def check_finite(bodies: Bodies, step: int, scene: Scene, *names: str) -> None:
+    """Raises Unstable; looks at everything that moves, or only at `names`."""
+    for name in names or _SAID:
+        if not np.isfinite(getattr(bodies, name)).all():
+            message = f"{_SAID[name]} became infinite by step {step}: {_why(scene)}"
+            raise Unstable(message)
+
+
+def check_flight(low: Floats, high: Floats, box_lo: Floats, box_hi: Floats, step: int, scene: Scene) -> None:
+    """Raises Unstable where a particle flew farther than through one face of the periodic box since the last list: nobody knows where it is.
+    low, high: (3,) outermost coordinates."""
+    length = np.where(scene.box.periodic, box_hi - box_lo, np.inf)
+    if ((low < box_lo - length) | (high >= box_hi + length)).any():
+        message = f"a particle flew through the whole periodic box by step {step}: {_why(scene)}"
+        raise Unstable(message)
+
+
+def _why(scene: Scene) -> str:
+    return f"the timestep {scene.timestep:g} is too long, or particles overlap too far"
+
+
+def refused(code: int, step: int, scene: Scene) -> str:
+    """What an implicit step that gave up means by its answer."""
+    if code == NOT_SOLVED:
+        return f"the contacts of step {step + 1} could not be solved together: shorten the timestep {scene.timestep:g}"
+    return (
+        f"a particle moves more than half the skin {scene.neighbor.skin:g} of the neighbour list in step {step + 1}: "
+        f"make the skin longer, or shorten the timestep {scene.timestep:g}"
+    )
