@@ -34,6 +34,7 @@ REDUCE: dict[str, Callable[[Floats], float]] = {
     "sumsq": lambda a: float(a @ a),
     "avesq": lambda a: float(a @ a) / len(a) if len(a) else 0.0,
 }
+FORCES = ("fx", "fy", "fz", "tqx", "tqy", "tqz")
 EXTENSIVE_MODES = ("sum", "sumsq")
 
 
@@ -138,9 +139,11 @@ class Meter:
         if mode not in REDUCE or wanted not in COLUMNS:
             message = f"compute reduce {mode} {wanted} is not supported; modes: {' '.join(REDUCE)}; inputs: {' '.join(COLUMNS)}"
             raise InputError(message, spec.place)
-        chosen = selected(self.particles.mask, self.setup.groups[spec.group])
-        force, torque = self.simulation.forces()
-        snapshot = Snapshot(self.simulation.step, self.simulation.box(), members, force[chosen], torque[chosen], members.id)
+        force = torque = np.zeros((0, 3))
+        if wanted in FORCES:
+            chosen = selected(self.particles.mask, self.setup.groups[spec.group])
+            force, torque = (array[chosen] for array in self.simulation.forces())
+        snapshot = Snapshot(self.simulation.step, self.simulation.box(), members, force, torque, members.id)
         return REDUCE[mode](COLUMNS[wanted](snapshot).astype(np.float64)), mode in EXTENSIVE_MODES
 
 

@@ -104,24 +104,18 @@ def give_kept(low, high, b, near):
 
 
 @compiled
-def end_step(
-    c, mode, b, flat, movers, p, near, shifts, equal, coefficients, ntypes, walls, fields, dt, advance, tally, lanes, past, who,
-):
-    """What chunk c still has to do behind the contacts between chunks: those within, walls, fields and, by `mode`, motion: no more than FORCES; FINISH
-    the step; GO_ON to the next positions. Returns the largest squared change of a velocity on the way there.
+def end_step(c, mode, b, flat, movers, pushed, walls, fields, dt, advance, tally):
+    """What chunk c still has to do behind its contacts: walls, fields and, by `mode`, motion: no more than FORCES; FINISH the step; GO_ON to the next
+    positions. Returns the largest squared change of a velocity on the way there.
     """
-    if PAIRS:
-        contacts(
-            c, near.chunks[c, FIRST], near.chunks[c, END], b.x.shape[0], b, p, near, shifts, equal, coefficients, ntypes, dt, advance, tally, lanes, past, who,
-        )
     low, high = c * CHUNK, min(b.x.shape[0], (c + 1) * CHUNK)
     jump = 0.0
     if FREE:  # who touches nothing flies on: only the eights of rows that were pushed are looked at
         for k in range(low >> 3, (high + 7) >> 3):
-            if near.pushed[k] != 0:
+            if pushed[k] != 0:
                 jump = max(jump, push(8 * k, min(high, 8 * k + 8), mode, b, flat, movers))
                 if mode == GO_ON:
-                    near.pushed[k] = 0
+                    pushed[k] = 0
     else:
         for i in range(low, high):
             wall_forces(i, b, walls, dt, advance, tally)
@@ -168,22 +162,24 @@ def sweep(mode, b, flat, movers, p, near, shifts, equal, coefficients, ntypes, w
             if PAIRS:
                 give_kept(near.share[t] * CHUNK, near.share[t + 1] * CHUNK, b, near)
             for c in range(near.share[t], near.share[t + 1]):
-                paces[c] = end_step(
-                    c, mode, b, flat, movers, p, near, shifts, equal, coefficients, ntypes, walls, fields, dt, advance, tallies[c],
-                    near.lanes[t], near.past[t], near.who[t],
-                )
+                if PAIRS:
+                    contacts(
+                        c, near.chunks[c, FIRST], near.chunks[c, END], everyone, b, p, near, shifts, equal, coefficients, ntypes, dt, advance, tallies[c],
+                        near.lanes[t], near.past[t], near.who[t],
+                    )
+                paces[c] = end_step(c, mode, b, flat, movers, near.pushed, walls, fields, dt, advance, tallies[c])
     else:
-        if PAIRS:
-            for c in range(chunks - 1, -1, -1):
-                contacts(
-                    c, near.chunks[c, CROSS_FIRST], near.chunks[c, CROSS_END], everyone, b, p, near, shifts, equal, coefficients, ntypes, dt, advance, tallies[c],
-                    near.lanes[0], near.past[0], near.who[0],
-                )
-        for c in range(chunks):
-            paces[c] = end_step(
-                c, mode, b, flat, movers, p, near, shifts, equal, coefficients, ntypes, walls, fields, dt, advance, tallies[c],
-                near.lanes[0], near.past[0], near.who[0],
-            )
+        for part in range(2):
+            for k in range(chunks):
+                c = chunks - 1 - k if part == 0 else k
+                if PAIRS:
+                    low, high = (CROSS_FIRST, CROSS_END) if part == 0 else (FIRST, END)
+                    contacts(
+                        c, near.chunks[c, low], near.chunks[c, high], everyone, b, p, near, shifts, equal, coefficients, ntypes, dt, advance, tallies[c],
+                        near.lanes[0], near.past[0], near.who[0],
+                    )
+                if part == 1:
+                    paces[c] = end_step(c, mode, b, flat, movers, near.pushed, walls, fields, dt, advance, tallies[c])
     jump = 0.0
     for c in range(chunks):
         jump = max(jump, paces[c])
@@ -219,8 +215,13 @@ def run_steps(start, steps, age, rhythm, b, flat, movers, p, near, shifts, equal
             age += 1
             near.scale[1] += dt * fastest
             if age >= delay and age % every == 0:
-                # the way of the fastest of each step is a bound: who is below it cannot have gone too far
-                due = not check or ((not PAIRS or SHIFTING or near.scale[1] ** 2 >= 0.999 * reach) and farthest(b) > reach)
+                due = not check
+                # the way of the fastest of each step is a bound: while it is below, nobody can have gone too far
+                if check and (not PAIRS or SHIFTING or near.scale[1] ** 2 >= 0.999 * reach):
+                    gone = farthest(b)
+                    due = gone > reach
+                    if PAIRS:
+                        near.scale[1], fastest = sqrt(gone), top_speed(movers, b)
                 if due:
                     break
         if PAIRS:

@@ -16,10 +16,10 @@ from math import sqrt
 import numpy as np
 from numba import prange
 
-LEEWAY = 3e-4  # of the mean radius: how far a particle may depart from straight flight before the list is renewed
+LEAST, MOST = 1e-5, 3e-2  # of the mean radius: how far a particle may depart from straight flight before the list is renewed
 CLOSE = 1.0 + 1e-9  # for rounding
 SHORTEST, LONGEST = 2, 40  # steps between renewals
-FIRST, END, CROSS_FIRST, CROSS_END, KEPT_FIRST, KEPT_END = range(6)  # columns of near.chunks
+FIRST, END, CROSS_FIRST, CROSS_END, KEPT_FIRST, KEPT_END, APART = range(7)  # columns of near.chunks
 START_WATCH = (np.inf, 0.0, 0.0, 0)  # departure so far and allowed, sum of the changes of velocity, steps left
 
 
@@ -28,7 +28,7 @@ def near_chunk(c, b, movers, p, near, shifts, equal, span, leeway):
     """Near pairs of the rows of chunk c: those that straight flight for the time `span` brings within `leeway`, and those that touch."""
     stop = min(b.x.shape[0], (c + 1) * CHUNK)
     begin = np.uint64(p.first[c * CHUNK])  # places are unsigned: of a signed one Numba asks whether it counts from the end
-    found = begin
+    found, touching = begin, np.uint64(0)
     for k in range(begin, np.uint64(p.first[stop])):
         i, j = np.uint64(p.row[k]), np.uint64(p.partner[k])
         dx, dy, dz = b.x[i, 0] - b.x[j, 0], b.x[i, 1] - b.x[j, 1], b.x[i, 2] - b.x[j, 2]
@@ -47,10 +47,12 @@ def near_chunk(c, b, movers, p, near, shifts, equal, span, leeway):
         # without a square root: distance - closing speed * span < close, times the distance
         ahead = square - max(closing, 0.0) * span
         near.listing[found] = k
-        can_touch = (ahead <= 0.0) | (ahead * ahead < close * close * square) | (p.touching[k] & 1 != 0)
+        touches = p.touching[k] & np.uint64(1)
+        can_touch = (ahead <= 0.0) | (ahead * ahead < close * close * square) | (touches != 0)
         if SLEEPS:
             can_touch &= one + other > 0.0
         found += np.uint64(can_touch)
+        touching += touches
     q, u = np.uint64(near.chunks[c, FIRST]), np.uint64(near.chunks[c, CROSS_FIRST])
     for h in range(begin, found):
         k = np.uint64(near.listing[h])
@@ -61,6 +63,7 @@ def near_chunk(c, b, movers, p, near, shifts, equal, span, leeway):
             take(u, k, p, near)
             u += np.uint64(1)
     near.chunks[c, END], near.chunks[c, CROSS_END], near.chunks[c, KEPT_END] = q, u, near.chunks[c, KEPT_FIRST]
+    near.chunks[c, APART] = max(0, np.int64(found - begin) - np.int64(touching))
 
 
 @inlined
@@ -126,8 +129,11 @@ def renew_near(watch, b, movers, p, near, shifts, equal, dt, jump):
         return departure, allowed, gained, left
     pull = 0.75 * dt * jump
     steps = LONGEST
-    if pull * LONGEST * (LONGEST + 1) > LEEWAY * near.scale[0]:
-        steps = max(SHORTEST, int(sqrt(LEEWAY * near.scale[0] / pull)))
+    if pull * LONGEST * (LONGEST + 1) > near.scale[2] * near.scale[0]:
+        steps = max(SHORTEST, int(sqrt(near.scale[2] * near.scale[0] / pull)))
     allowed = pull * steps * (steps + 1)
     list_near(b, movers, p, near, shifts, equal, steps * dt, 2.0 * allowed)
+    # the pairs that do not touch are looked at in every step, all that are listed once: as much for the one as for the other costs least
+    looks = 2.0 * steps * near.chunks[:, APART].sum()
+    near.scale[2] = min(MOST, max(LEAST, near.scale[2] * min(2.0, max(0.5, p.partner.shape[0] / max(1.0, looks)))))
     return 0.0, allowed, 0.0, steps

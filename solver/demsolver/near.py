@@ -12,15 +12,16 @@ from demsolver.state import Floats, Ints, Pairs
 
 
 class Near(NamedTuple):
-    """Pairs that can touch soon. Rows are cut into chunks; chunks: (c, 6), where its entries stand: FIRST, END of those with partners in the same
-    chunk, CROSS_FIRST, CROSS_END of those with partners in later ones; KEPT_FIRST, KEPT_END of what several threads keep of those.
+    """Pairs that can touch soon. Rows are cut into chunks; chunks: (c, 7), where its entries stand: FIRST, END of those with partners in the same
+    chunk, CROSS_FIRST, CROSS_END of those with partners in later ones; KEPT_FIRST, KEPT_END of what several threads keep of those; APART: how
+    many do not touch.
 
     Of an entry: row and partner; its code (as in Pairs); `entry`, its place in the list of all pairs, where what it remembers stands. listing:
     (m + 1,) scratch while the list is made. pushed: (n / 8,) whether a contact acts on any of eight rows. With several threads: share, cross_share
     (t + 1,): thread t does the chunks share[t] to share[t + 1], of the pairs between chunks cross_share[t] to cross_share[t + 1]; kept_row
     (x,), kept_action (x, 6 or 3): what these do to particles of another thread's chunks, force and torque. lanes, past, who: (t, ...) scratch of
     each thread, a block of contacts; lanes are float32 in mixed precision. scale: mean radius; bound of the way of any particle since
-    the list of all pairs was built.
+    the list of all pairs was built; how far a particle may depart from straight flight, over the mean radius.
     """
 
     chunks: Ints
@@ -42,14 +43,16 @@ class Near(NamedTuple):
 
 BLOCK = 64
 """Contacts whose arithmetic is done in one go: their fields stay in the fastest cache."""
+START_LEEWAY = 3e-4
+"""Of the mean radius, until the near list knows better."""
 FIELDS = 38
 """Of a contact in a block, beside its memory (kernel_contact.py names them)."""
 
 
-def near_of(pairs: Pairs, radius: Floats, chunk: int, threads: int, *, turns: bool, mixed: bool) -> Near:
-    """An empty near list with room for every pair. chunk: rows of a chunk. threads: 1, or how many share the chunks. turns: whether
-    contacts make torques. mixed: whether geometry and forces of a contact are float32."""
-    n, m = len(radius), len(pairs.partner)
+def near_of(pairs: Pairs, scale: Floats, chunk: int, threads: int, *, turns: bool, mixed: bool) -> Near:
+    """An empty near list with room for every pair. scale: as in Near, goes on from list to list. chunk: rows of a chunk. threads: 1, or how many
+    share the chunks. turns: whether contacts make torques. mixed: whether geometry and forces of a contact are float32."""
+    n, m = len(pairs.first) - 1, len(pairs.partner)
     count = max(1, -(-n // chunk))
     start = pairs.first[np.minimum(np.arange(count + 1) * min(chunk, n + 1), n)]
     crossing = np.zeros(count, dtype=np.int64)
@@ -58,7 +61,7 @@ def near_of(pairs: Pairs, radius: Floats, chunk: int, threads: int, *, turns: bo
     kept = int(crossing.sum()) if threads > 1 else 0
     first, cross_first = start[:-1], start[1:] - crossing
     return Near(
-        chunks=np.column_stack([first, first, cross_first, cross_first, kept_first, kept_first]),
+        chunks=np.column_stack([first, first, cross_first, cross_first, kept_first, kept_first, np.zeros_like(first)]),
         row=np.empty(m, dtype=np.uint32), partner=np.empty(m, dtype=np.uint32), entry=np.empty(m, dtype=np.uint32),
         listing=np.empty(m + 1, dtype=np.uint32),
         code=np.empty(len(pairs.code), dtype=np.uint8), pushed=np.zeros((n + 7) // 8, dtype=np.uint8),
@@ -66,7 +69,7 @@ def near_of(pairs: Pairs, radius: Floats, chunk: int, threads: int, *, turns: bo
         share=np.linspace(0, count, threads + 1).astype(np.int64), cross_share=np.linspace(0, count, threads + 1).astype(np.int64),
         lanes=np.empty((threads, BLOCK * FIELDS), dtype=np.float32 if mixed else np.float64),
         past=np.empty((threads, BLOCK * max(1, pairs.memory.shape[1]))), who=np.zeros((threads, 5 * BLOCK), dtype=np.uint32),
-        scale=np.array([radius.mean() if n else 0.0, 0.0]),
+        scale=scale,
     )  # fmt: skip
 
 

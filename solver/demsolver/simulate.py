@@ -15,7 +15,7 @@ from demsolver.bind_walls import PLACE
 from demsolver.check import check_scene
 from demsolver.energy_budget import EnergyBudget
 from demsolver.listed import Listed, listed, without
-from demsolver.near import near_of
+from demsolver.near import START_LEEWAY, near_of
 from demsolver.neighbor_grid import bounds_of
 from demsolver.scene import Box, Gravity, Particles, Plane, Scene
 from demsolver.sleep import Sleep, Sleepers, check_sleep
@@ -74,6 +74,7 @@ class Simulation:
         self._coefficients = pair_coefficients(scene, one=self._has.ONE_LAW)
         self._equal = (float(scene.particles.radius[0]), float(scene.particles.mass[0])) if self._has.UNIFORM else (0.0, 0.0)
         self._tallies = np.zeros((0, 6))
+        self._scale = np.array([scene.particles.radius.mean() if len(self.id) else 0.0, 0.0, START_LEEWAY])
         self._movers = int(self._bodies.moving.sum())
         self._sleepers = Sleepers(sleep, len(self.id)) if sleep else None
         self._sort(_movers_first(self._bodies, np.arange(len(self.id))))
@@ -304,7 +305,7 @@ class Simulation:
         """The arrays that go with a list of pairs."""
         self._pairs = pairs
         self._near = near_of(
-            pairs, self._bodies.radius, self._has.CHUNK, self._threads,
+            pairs, self._scale, self._has.CHUNK, self._threads,
             turns=self._has.FRICTION or self._has.ROLLING, mixed=self._precision == "mixed",
         )  # fmt: skip
         chunks = len(self._near.chunks)
@@ -373,9 +374,9 @@ def _outside(array: np.ndarray, order: Ints) -> np.ndarray:
     """A copy of an array of rows in the scene's order; of one that is not of rows as it is."""
     if len(array) != len(order):
         return array.copy()
-    found = np.empty_like(array)
-    found[order] = array
-    return found
+    place = np.empty(len(order), dtype=np.int64)
+    place[order] = np.arange(len(order))
+    return array.take(place, axis=0)  # many times as fast as array[place]
 
 
 def _movers_first(b: Bodies, rows: Ints) -> Ints:
