@@ -61,7 +61,7 @@ def test_nothing_is_dissipated_that_was_not_there(family: contact.Family, name: 
 
 @pytest.mark.parametrize(("family", "name"), INTEGRATED)
 def test_the_loop_is_the_plain_sum(family: contact.Family, name: str) -> None:
-    """Law: force and torque of the compiled loop are those of the plain reference to 1e-13 of the largest, at set-up and over three steps that remember."""
+    """Law: force and torque of the compiled loop are the plain reference's to 1e-13 of the largest, at set-up and over three steps that remember."""
     scene = cluster(every_law(family, name), 3, 50)
     simulation = Simulation(scene, budget=True)
     simulation.setup()
