@@ -115,6 +115,7 @@ def end_step(c, mode, b, flat, movers, pushed, walls, fields, dt, advance, tally
             if pushed[k] != 0:
                 jump = max(jump, push(8 * k, min(high, 8 * k + 8), mode, b, flat, movers))
                 if mode == GO_ON:
+                    clear(8 * k, min(high, 8 * k + 8), b)
                     pushed[k] = 0
     else:
         for i in range(low, high):
@@ -123,6 +124,8 @@ def end_step(c, mode, b, flat, movers, pushed, walls, fields, dt, advance, tally
         jump = push(low, high, mode, b, flat, movers)
     if mode == GO_ON:
         drift(low, min(high, movers), flat, dt)
+        if not FREE:
+            clear(low, high, b)
     return 4.0 * jump if VERLET else jump
 
 
@@ -137,7 +140,6 @@ def push(low, high, mode, b, flat, movers):
     last = min(high, movers)
     if mode == GO_ON:
         kick(low, last, 1.0 if VERLET else 0.0, flat)
-        clear(low, high, b)
     elif mode == FINISH and VERLET:
         kick(low, last, 0.0, flat)
     return jump
