@@ -10,8 +10,8 @@ This file is read as text and placed behind a generated header, which binds, as 
     move_walls                 carries moving planes on by a step
     field_forces               gravity, freeze, ... of the scene in their order, on one particle
     PAIRS, FRICTION, ROLLING, ROTATES, BEYOND, OUTLIVES, BUDGET, PERIODIC, FROZEN, VIRIAL, THREADED, SURFACE_CONTACT, TORQUE_CONTACT, SHIFTING,
-    IMPLICIT, MOVING, VERLET, UNIFORM, ONE_LAW: constants; what is False (of the last two: True) costs nothing. BASE: columns of memory
-                               that the pair law has. ROLLING_INERTIA: of one sphere rolling about its contact point, over m R^2
+    IMPLICIT, MOVING, VERLET, SLEEPS, FREE, UNIFORM, ONE_LAW: constants; what is False (of the last three: True) costs nothing. BASE: columns of
+                               memory that the pair law has. ROLLING_INERTIA: of one sphere rolling about its contact point, over m R^2
 
 Velocity Verlet as LAMMPS does it: contact forces of step n see x(n) and the velocities of step n - 1/2 (at set-up: of step n).
 
