@@ -53,6 +53,7 @@ RATIOS = (
     ("native, 2 threads", "LAMMPS, 2 ranks"),
     ("native, 2 threads", "LAMMPS, omp, 2 threads"),
     ("native", "native, with friction"),
+    ("native", "native, friction and a field of 0"),
     ("native, with friction", "LAMMPS, with friction"),
 )
 

@@ -65,7 +65,9 @@ STANDARD = (
 FRICTION = (
     Contender("native, with friction", "native", "lammps-friction", "native, with friction"),
     Contender("LAMMPS, with friction", "lammps", "lammps-friction", "native, with friction"),
+    Contender("native, friction and a field of 0", "native", "lammps-friction-field", "native, with friction"),
 )
+"""The field does nothing, but for it every particle is looked at in every step: kicked and turned too."""
 
 
 def contenders_of(scene: Scene) -> tuple[Contender, ...]:

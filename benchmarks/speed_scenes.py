@@ -183,10 +183,12 @@ def gas(_states: Path, *, small: bool) -> Scene:
     v = rng.normal(0.0, 1.0, (n, 3))
     start = State(np.ones(n), scattered(n, side, rng), v - v.mean(axis=0), np.zeros((n, 3)))
     ours, theirs = heads("p p p")
+    rubbing = f"pair_style gran/hooke/history {kn} NULL 0.0 NULL 0.5 0\n"
     rest = LISTS.format(skin=0.2, dt=np.pi * np.sqrt(0.5 / kn) / 30) + "fix move all nve/sphere\n" + OUTPUT
     decks = {
         "lammps": f"{ours}pair_style gran/hooke {kn} NULL 0.0 NULL 0.0 0\n{rest}",
-        "lammps-friction": f"{ours}pair_style gran/hooke/history {kn} NULL 0.0 NULL 0.5 0\n{rest}",
+        "lammps-friction": f"{ours}{rubbing}{rest}",
+        "lammps-friction-field": f"{ours}{rubbing}fix none all gravity 0.0 vector 0.0 0.0 -1.0\n{rest}",
         "liggghts": f"{theirs}{springs(kn, 0.0, 0.0)}pair_style gran model hooke/stiffness tangential off\n{rest}",
     }
     size = (side, side, side)

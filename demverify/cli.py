@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from demverify.engines.base import Progress
 
 INTERRUPTED = "interrupted; what was written is readable"
+PRECISIONS = ("double", "mixed")
 
 app = typer.Typer(
     add_completion=False, pretty_exceptions_enable=False, help="One deck, three engines, one verdict.",
@@ -40,6 +41,11 @@ Var = Annotated[
 Threads = Annotated[int, typer.Option(min=1, max=256, help="Threads of the native engine.")]
 Ranks = Annotated[int, typer.Option(min=1, help="MPI ranks of LAMMPS and LIGGGHTS.")]
 Strict = Annotated[bool, typer.Option("--strict", help="Native engine: refuse a step above its stability limit, instead of warning.")]
+Precision = Annotated[str, typer.Option(help="Native engine: double, or mixed (a contact's geometry and force as float32).")]
+Sleep = Annotated[
+    float | None,
+    typer.Option("--sleep", metavar="SPEED", help="Native engine: leave islands at rest, slower than SPEED, out of the steps until something comes."),
+]
 Timeout = Annotated[float, typer.Option(min=1.0, help="Time limit of one engine, in seconds.")]
 
 
@@ -90,6 +96,8 @@ def run(
     ranks: Ranks = 1,
     timeout: Timeout = 3600.0,
     strict: Strict = False,
+    precision: Precision = "double",
+    sleep: Sleep = None,
     json: Json = None,
 ) -> None:
     """Run a deck in one engine; leaves its dumps, thermo.csv and trajectory.h5 in a folder."""
@@ -105,9 +113,16 @@ def run(
     if strict and name != "native":
         message = f"--strict looks at runs of the native engine, not of {name}; demverify timestep --strict looks at the deck"
         raise InputError(message)
+    if precision not in PRECISIONS:
+        message = f"--precision {precision} is not one of {', '.join(PRECISIONS)}"
+        raise InputError(message)
+    modes = {"precision": precision, "sleep": sleep}
+    if name != "native" and modes != {"precision": "double", "sleep": None}:
+        message = f"--precision and --sleep are of the native engine; {name} has no such modes"
+        raise InputError(message)
     job = Job(deck, out, variables, output_interval(deck, variables, name), timeout, ranks, threads)
     with _bars() as watch:
-        found = execute(name, name, job, watch(name), unstable=_refuser(deck) if strict else _warner(deck))
+        found = execute(name, name, job, watch(name), unstable=_refuser(deck) if strict else _warner(deck), modes=modes)
     if json:
         write_json(json, None, {name: engine_info(found)})
     if found.outcome.status != "ok":

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, field
 from math import isfinite
@@ -16,7 +16,7 @@ from demverify.engines.base import Found, Job, Missing, Outcome, Progress
 from demverify.errors import InputError
 
 if TYPE_CHECKING:
-    from demsolver import EnergyBudget, Scene, Simulation
+    from demsolver import EnergyBudget, Scene, Simulation, Sleep
     from demverify.deck.setup import DumpSpec, Setup
     from demverify.formats.columns import Snapshot
     from demverify.formats.dump import DumpWriter
@@ -54,6 +54,7 @@ class NativeBackend:
 
     nudge: moves the positions of the first run, for the chaos envelope. rules: changes the scene of every run. most: stop after so many
     steps. keep: keep frames in memory. budget: keep the energy account. unstable: told, in one line, of a step above a stability limit.
+    modes: `precision` of Simulation, and `sleep`, a speed or None.
     """
 
     def __init__(
@@ -69,6 +70,7 @@ class NativeBackend:
         keep: bool = False,
         progress: Progress | None = None,
         unstable: Callable[[str], object] | None = None,
+        modes: Mapping[str, Any] | None = None,
     ) -> None:
         from demsolver.stability_watch import StepWatch
         from demverify.engines._checks import StepChecks
@@ -78,7 +80,7 @@ class NativeBackend:
         self._said = 0
         self._folder, self._every, self._threads, self._budget = folder, every, threads, budget
         self._nudge, self._keep, self._progress = nudge, keep, progress
-        self._rules, self._most = rules, most
+        self._rules, self._most, self._modes = rules, most, dict(modes or {})
         self._simulation: Simulation | None = None
         self._files = ExitStack()
         self._dumps: dict[str, _OpenDump] = {}
@@ -164,14 +166,30 @@ class NativeBackend:
         scene = scene_of(setup)
         scene = self._rules(scene) if self._rules else scene
         virial = "press" in keywords_of(setup)
+        sleep = self._sleep(scene, virial=virial)
         if self._simulation is None:
             if self._nudge is not None:
                 scene.particles.x[:] = self._nudge(scene.particles.x)
-            self._simulation = Simulation(scene, threads=self._threads, budget=self._budget, virial=virial)
+            precision = self._modes.get("precision", "double")
+            self._simulation = Simulation(scene, threads=self._threads, budget=self._budget, virial=virial, precision=precision, sleep=sleep)
         else:
             self._simulation = self._simulation.continue_with(scene, virial=virial)
         self._simulation.step = setup.step
         return self._simulation
+
+    def _sleep(self, scene: Scene, *, virial: bool) -> Sleep | None:
+        """What --sleep asks for. Raises InputError where a scene cannot have it."""
+        from demsolver import Sleep
+        from demsolver.sleep import check_sleep
+
+        if (speed := self._modes.get("sleep")) is None:
+            return None
+        try:
+            check_sleep(Sleep(speed), scene, books=self._budget or virial)
+        except ValueError as error:
+            message = f"--sleep {speed:g}: {error}"
+            raise InputError(message) from error
+        return Sleep(speed)
 
     def _advance(self, simulation: Simulation, run: _Run) -> None:
         """To the next output, in portions short enough to show progress."""

@@ -1,15 +1,15 @@
 """Rows of pairs, made of who meets whom, and the memory of one list handed to the next.
 
-Every pair stands in the row of its lower index, partners ascending: sorted by partner, then by row, both times by counting, so that a row as long as
-the list costs no more than any other.
+Every pair stands in the row of its lower index, partners ascending: counted into rows, then each row sorted. With several threads each does a run of
+rows, and writes no place of another's.
 """
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
-from numba import njit
+from numba import njit, prange
 from numpy.typing import NDArray
 
 from demsolver.neighbor_grid import Codes, Images, Numbers
@@ -20,42 +20,70 @@ from demsolver.state import Floats, Ints, Pairs
 
 HOME = 13  # row of neighbors.SHIFTS that is (0, 0, 0)
 PARTNER_FEELS = 32  # added to the code of an entry that the partner feels
+CODE_BITS = 6  # of a key, below the partner
 LOWEST_BIT = np.array([0, 0, 1, 0, 2, 0, 1, 0, 3, 0, 1, 0, 2, 0, 1, 0])  # of the numbers up to 15
+SHORT = 16  # a row of which each entry is compared with all others
+
+
+class Runs(NamedTuple):
+    """Pairs as they were found, in runs; two indices of 32 bits in one number.
+
+    pairs: (p,). begin: (r + 1,) where runs begin; at their begin stand pairs at home, low and high index, up to home_end (r,), and at
+    their end, from faces (r,) on, pairs of a particle and an image."""
+
+    pairs: NDArray[np.uint64]
+    begin: Ints
+    home_end: Ints
+    faces: Ints
 
 
 def rows_of(
-    n: int, images: Images, meetings: list[Meetings], classes: Numbers, excluded: NDArray[np.bool_], *, periodic: bool
+    n: int, images: Images, meetings: list[Meetings], classes: Numbers, excluded: NDArray[np.bool_], *, periodic: bool, threads: int = 1
 ) -> tuple[Ints, Numbers, Numbers, Codes]:
     """first, row, partner, code of state.Pairs. classes: (n,), of which those pairs are left out that `excluded` (k, k) names. meetings: emptied."""
-    first, place = np.zeros(n + 1, dtype=np.int64), np.zeros(n + 1, dtype=np.uint32)
-    pairs, home, faces = _collected(n, images.owner, meetings, classes, excluded, first, place)
+    counts = np.zeros((threads, n), dtype=np.uint32)
+    runs = _collected(n, images.owner, meetings, classes, excluded, counts)
     meetings.clear()  # they take as much room as the list
+    faces = int((runs.begin[1:] - runs.faces).sum())
     crossing, crossing_code = np.empty(2 * faces, dtype=np.uint64), np.empty(2 * faces, dtype=np.uint8)
-    _mirror(n, images.owner, images.code, pairs[len(pairs) - faces :], crossing, crossing_code, first, place)
-    by_row = _cumulate(first, place)
-    m = home + 2 * faces
-    by_partner, by_partner_code = np.empty(m, dtype=np.uint64), _home_codes(m, periodic=periodic)
-    _by_partner(pairs[:home], crossing, crossing_code, place, by_partner, by_partner_code)
-    del pairs, crossing
-    row, partner, code = np.empty(m, dtype=np.uint32), np.empty(m, dtype=np.uint32), _home_codes(m, periodic=periodic)
-    _by_row(by_partner, by_partner_code, first, by_row, row, partner, code)
+    _mirror(n, images.owner, images.code, runs, crossing, crossing_code, counts[0])
+    first, place = _cumulate(counts)
+    m = int(first[-1])
+    share = np.searchsorted(first, np.linspace(0, m, threads + 1)).astype(np.int64)
+    share[0], share[-1] = 0, n
+    keys = np.empty(m, dtype=np.uint64)
+    _do(_scatter, _scatter_in_threads, share, runs, crossing, crossing_code, place, keys)
+    del runs, crossing
+    row, partner = np.empty(m, dtype=np.uint32), np.empty(m, dtype=np.uint32)
+    code = np.empty(m if periodic else 0, dtype=np.uint8)
+    _do(_sort_rows, _sort_rows_in_threads, share, first, keys, row, partner, code)
     return first, row, partner, code
 
 
+def _do(one: Any, in_threads: Any, share: Ints, *rest: Any) -> None:
+    """One thread does what share[0]:share[1] names, several do a part each."""
+    if len(share) == 2:
+        one(share[0], share[1], *rest)
+    else:
+        in_threads(share, *rest)
+
+
 def _collected(
-    n: int, owner: Numbers, meetings: list[Meetings], classes: Numbers, excluded: NDArray[np.bool_], rows: Ints, partners: Numbers
-) -> tuple[NDArray[np.uint64], int, int]:
-    """Pairs, two indices of 32 bits in one number, and how many are at home and across faces: see _collect."""
-    pairs = np.empty(sum(_count(part.lanes) for found in meetings for part in found.parts), dtype=np.uint64)
-    home = faces = 0
-    for found in meetings:
-        for part in found.parts:
-            home, faces = _collect(n, owner, found.asking, found.asked, part, classes, excluded, pairs, home, faces, rows, partners)
-    return pairs, home, faces
-
-
-def _home_codes(m: int, *, periodic: bool) -> Codes:
-    return np.full(m if periodic else 0, HOME, dtype=np.uint8)
+    n: int, owner: Numbers, meetings: list[Meetings], classes: Numbers, excluded: NDArray[np.bool_], counts: NDArray[np.uint32]
+) -> Runs:
+    """counts: (t, n) of the pairs at home in each row, by who found them."""
+    parts = [(found, part) for found in meetings for part in found.parts]
+    threads = len(counts)
+    begin = np.zeros(len(parts) * threads + 1, dtype=np.int64)
+    for k, (_, part) in enumerate(parts):
+        for t in range(threads):
+            begin[k * threads + t + 1] = _count(part.lanes[t, : part.hits_of(t)])
+    np.cumsum(begin, out=begin)
+    runs = Runs(np.empty(begin[-1], dtype=np.uint64), begin, begin[:-1].copy(), begin[1:].copy())
+    for k, (found, part) in enumerate(parts):
+        points = n, owner, found.asking, found.asked
+        _do(_collect, _collect_in_threads, np.arange(threads + 1), k * threads, *points, part, classes, excluded, runs, counts)
+    return runs
 
 
 @njit(cache=True, error_model="numpy")
@@ -68,13 +96,14 @@ def _count(lanes):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, error_model="numpy")
-def _collect(n, owner, asking, asked, part, classes, excluded, pairs, home, faces, rows, partners):  # type: ignore[no-untyped-def]
-    """Appends pairs of particles, low and high index, at the front and counts them in rows[low + 1] and partners[high + 1]; pairs of a particle
-    and an image, in this order, at the back. Returns how many there are of both."""
-    begin, ends, hits, lanes = part
+def _collect(t, _, before, n, owner, asking, asked, part, classes, excluded, runs, counts):  # type: ignore[no-untyped-def]
+    """Writes what thread t found as run before + t, and counts pairs at home."""
+    begin, ends, hits, lanes = part.begin[t], part.ends[t], part.hits[t], part.lanes[t]
+    pairs, count = runs.pairs, counts[t]
+    home, faces = np.uint64(runs.home_end[before + t]), np.uint64(runs.faces[before + t])
     sieve = excluded.any()
     k, one = np.uint64(0), np.uint64(1)
-    for group in range(len(ends)):
+    for group in range(part.groups[t]):
         p = np.uint64(begin[group])
         for q in range(k, np.uint64(ends[group])):
             j, near = asked[hits[q]], np.uint64(lanes[q])
@@ -84,15 +113,20 @@ def _collect(n, owner, asking, asked, part, classes, excluded, pairs, home, face
                 low, high = min(i, j), max(i, j)
                 if high >= n:
                     if low < n and not (sieve and excluded[classes[low], classes[owner[high - n]]]):
-                        faces += 1
-                        pairs[len(pairs) - faces] = _pair(low, high)
+                        faces -= one
+                        pairs[faces] = _pair(low, high)
                 elif not (sieve and excluded[classes[low], classes[high]]):
                     pairs[home] = _pair(low, high)
-                    rows[low + one] += 1
-                    partners[high + one] += np.uint32(1)
-                    home += 1
+                    count[low] += np.uint32(1)
+                    home += one
         k = np.uint64(ends[group])
-    return home, faces
+    runs.home_end[before + t], runs.faces[before + t] = home, faces
+
+
+@njit(cache=True, error_model="numpy", parallel=True)
+def _collect_in_threads(share, before, n, owner, asking, asked, part, classes, excluded, runs, counts):  # type: ignore[no-untyped-def]
+    for t in prange(len(share) - 1):
+        _collect(share[t], share[t + 1], before, n, owner, asking, asked, part, classes, excluded, runs, counts)
 
 
 @njit(error_model="numpy", forceinline=True)
@@ -106,56 +140,82 @@ def _both(pair):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, error_model="numpy")
-def _mirror(n, owner, shift, faces, pairs, code, rows, partners):  # type: ignore[no-untyped-def]
+def _mirror(n, owner, shift, runs, pairs, code, count):  # type: ignore[no-untyped-def]
     """Writes the two entries of every pair of a particle and an image, as each of the two feels it, and counts them."""
-    for k in range(len(faces)):
-        i, image = _both(faces[k])
-        j, s = owner[image - n], np.int64(shift[image - n])
-        low, high = min(i, j), max(i, j)
-        pairs[2 * k] = pairs[2 * k + 1] = _pair(low, high)
-        code[2 * k] = s + (PARTNER_FEELS if i > j else 0)
-        code[2 * k + 1] = 2 * HOME - s + (PARTNER_FEELS if j > i else 0)
-        rows[low + 1] += 2
-        partners[high + 1] += np.uint32(2)
+    k = 0
+    for r in range(len(runs.faces)):
+        for q in range(runs.faces[r], runs.begin[r + 1]):
+            i, image = _both(runs.pairs[q])
+            j, s = owner[image - n], np.int64(shift[image - n])
+            low, high = min(i, j), max(i, j)
+            pairs[k] = pairs[k + 1] = _pair(low, high)
+            code[k] = s + (PARTNER_FEELS if i > j else 0)
+            code[k + 1] = 2 * HOME - s + (PARTNER_FEELS if j > i else 0)
+            count[low] += np.uint32(2)
+            k += 2
 
 
 @njit(cache=True, error_model="numpy")
-def _cumulate(rows, partners):  # type: ignore[no-untyped-def]
-    """Counts to first places, in place; returns those of the rows once more."""
-    places = np.empty(len(rows) - 1, dtype=np.uint32)
-    for i in range(len(places)):
-        places[i] = rows[i]
-        rows[i + 1] += rows[i]
-        partners[i + 1] += partners[i]
-    return places
+def _cumulate(counts):  # type: ignore[no-untyped-def]
+    """first of state.Pairs, and the same once more for those who fill the rows."""
+    n = counts.shape[1]
+    first, place = np.empty(n + 1, dtype=np.int64), np.empty(n, dtype=np.uint32)
+    m = np.int64(0)
+    for i in range(n):
+        first[i] = place[i] = m
+        for t in range(counts.shape[0]):
+            m += np.int64(counts[t, i])
+    first[n] = m
+    return first, place
 
 
 @njit(cache=True, error_model="numpy")
-def _by_partner(home, crossing, crossing_code, place, pairs, code):  # type: ignore[no-untyped-def]
-    """Sorts entries by partner, those across faces behind the others."""
-    for pair in home:
-        j = _both(pair)[1]
-        pairs[place[j]] = pair
-        place[j] += np.uint32(1)
-    for k in range(len(crossing)):
-        j = _both(crossing[k])[1]
-        pairs[place[j]], code[place[j]] = crossing[k], crossing_code[k]
-        place[j] += np.uint32(1)
+def _scatter(low, high, runs, crossing, code, place, keys):  # type: ignore[no-untyped-def]
+    """Puts the entries of rows low..high into their rows, in the order in which they were found."""
+    low, high, one, bits = np.uint32(low), np.uint32(high), np.uint32(1), np.uint64(CODE_BITS)
+    for r in range(len(runs.faces)):
+        for q in range(np.uint64(runs.begin[r]), np.uint64(runs.home_end[r])):
+            i, j = _both(runs.pairs[q])
+            if low <= i < high:
+                keys[place[i]] = np.uint64(j) << bits | np.uint64(HOME)
+                place[i] += one
+    for q in range(len(crossing)):
+        i, j = _both(crossing[q])
+        if low <= i < high:
+            keys[place[i]] = np.uint64(j) << bits | np.uint64(code[q])
+            place[i] += one
+
+
+@njit(cache=True, error_model="numpy", parallel=True)
+def _scatter_in_threads(share, runs, crossing, code, place, keys):  # type: ignore[no-untyped-def]
+    for t in prange(len(share) - 1):
+        _scatter(share[t], share[t + 1], runs, crossing, code, place, keys)
 
 
 @njit(cache=True, error_model="numpy")
-def _by_row(pairs, code, first, place, row, partner, to_code):  # type: ignore[no-untyped-def]
-    """Sorts entries by row; entries of one pair, which follow one another, by code."""
-    for k in range(len(pairs)):
-        i, j = _both(pairs[k])
-        q = place[i]
-        place[i] = q + np.uint32(1)
-        row[q], partner[q] = i, j
-        if len(code) and code[k] != HOME:
-            while q > first[i] and partner[q - 1] == j and to_code[q - 1] > code[k]:
-                to_code[q] = to_code[q - 1]
-                q -= 1
-            to_code[q] = code[k]
+def _sort_rows(low, high, first, keys, row, partner, code):  # type: ignore[no-untyped-def]
+    """Sorts the entries of rows low..high by partner, those of one pair by code, and writes them."""
+    bits, mask, coded = np.uint64(CODE_BITS), np.uint64((1 << CODE_BITS) - 1), len(code) > 0
+    for i in range(low, high):
+        begin, end = np.uint64(first[i]), np.uint64(first[i + 1])
+        long = end - begin > np.uint64(SHORT)
+        if long:
+            keys[begin:end].sort()
+        for k in range(begin, end):
+            key = keys[k]
+            place = np.uint64(k) if long else begin
+            if not long:  # which of two is the lower is hard to foretell: nothing here asks
+                for q in range(begin, end):
+                    place += np.uint64(keys[q] < key)
+            row[place], partner[place] = i, key >> bits
+            if coded:
+                code[place] = key & mask
+
+
+@njit(cache=True, error_model="numpy", parallel=True)
+def _sort_rows_in_threads(share, first, keys, row, partner, code):  # type: ignore[no-untyped-def]
+    for t in prange(len(share) - 1):
+        _sort_rows(share[t], share[t + 1], first, keys, row, partner, code)
 
 
 class Remembered(NamedTuple):
@@ -170,17 +230,47 @@ class Remembered(NamedTuple):
 
 def remembered(pairs: Pairs) -> Remembered:
     """What of a list goes over to the next."""
-    k = np.flatnonzero(pairs.touching != 0)
-    code = pairs.code.take(k) if len(pairs.code) else pairs.code
-    return Remembered(pairs.row.take(k), pairs.partner.take(k), code, pairs.touching.take(k), pairs.memory.take(k, axis=0))
+    return Remembered(*_remembered(pairs.row, pairs.partner, pairs.code, pairs.touching, pairs.memory))
 
 
 @njit(cache=True, error_model="numpy")
-def hand_over(old, new, wraps, outlives, signs, x, radius, shifts, renumber) -> None:  # type: ignore[no-untyped-def]
+def _remembered(row, partner, code, touching, memory):  # type: ignore[no-untyped-def]
+    """The entries that touch, or touched."""
+    r = 0
+    for k in range(len(touching)):
+        r += touching[k] != 0
+    coded = len(code) > 0
+    to_row, to_partner, to_touching = np.empty(r, dtype=np.uint32), np.empty(r, dtype=np.uint32), np.empty(r, dtype=np.uint8)
+    to_code, to_memory = np.empty(r if coded else 0, dtype=np.uint8), np.empty((r, memory.shape[1]))
+    q = np.uint64(0)
+    for k in range(np.uint64(len(touching))):
+        if touching[k] != 0:
+            to_row[q], to_partner[q], to_touching[q] = row[k], partner[k], touching[k]
+            if coded:
+                to_code[q] = code[k]
+            for c in range(memory.shape[1]):
+                to_memory[q, c] = memory[k, c]
+            q += np.uint64(1)
+    return to_row, to_partner, to_code, to_touching, to_memory
+
+
+def hand_over(threads: int, old: Remembered, *rest: Any) -> None:
     """Hands what is remembered of an old list to a new one: see neighbors.carry."""
+    _do(_hand_over, _hand_over_in_threads, np.linspace(0, len(old.row), threads + 1).astype(np.int64), old, *rest)
+
+
+@njit(cache=True, error_model="numpy", parallel=True)
+def _hand_over_in_threads(share, old, new, wraps, outlives, signs, x, radius, shifts, renumber):  # type: ignore[no-untyped-def]
+    for t in prange(len(share) - 1):
+        _hand_over(share[t], share[t + 1], old, new, wraps, outlives, signs, x, radius, shifts, renumber)
+
+
+@njit(cache=True, error_model="numpy")
+def _hand_over(begin, end, old, new, wraps, outlives, signs, x, radius, shifts, renumber):  # type: ignore[no-untyped-def]
+    """The entries begin..end of the old list; each has places of its own in the new one."""
     row, partner, codes, touching, memory = old
     to_first, _, to_partner, to_codes, to_touching, to_memory = new
-    for k in range(len(row)):
+    for k in range(begin, end):
         code = int(codes[k]) if len(codes) else HOME
         shift = code % PARTNER_FEELS
         acts, other = np.int64(row[k]), np.int64(partner[k])

@@ -21,14 +21,20 @@ from demsolver.state import Ints
 
 
 class Part(NamedTuple):
-    """Meetings found in one go. Group g of points, from begin[g] on, meets the points hits[ends[g - 1]:ends[g]].
+    """Meetings found in one go, by each of t threads. Group g of points of thread t, from begin[t, g] on, meets the points
+    hits[t, ends[t, g - 1]:ends[t, g]].
 
-    begin, ends: (groups,). hits: (m,). lanes: (m,) which of the group, bits."""
+    groups: (t,) how many. begin, ends: (t, g). hits: (t, m). lanes: (t, m) which of the group, bits."""
 
+    groups: Ints
     begin: Numbers
     ends: Numbers
     hits: Numbers
     lanes: Codes
+
+    def hits_of(self, t: int) -> int:
+        """How many hits thread t found."""
+        return int(self.ends[t, self.groups[t] - 1]) if self.groups[t] else 0
 
 
 class Meetings(NamedTuple):
@@ -64,10 +70,7 @@ def _meetings(asking: Sorted, asked: Sorted, cells: Cells, skin: float, ahead: i
         tables = (_numbers(threads, groups), _numbers(threads, groups), _numbers(threads, room), np.empty((threads, room), dtype=np.uint8))
         found, before = np.zeros(threads, dtype=np.int64), start.copy()
         sweep(asking, asked, asking.radius, asking is asked, cells.largest, skin, cells.fine, ahead, offsets, front, start, stop, found, *tables)
-        for t in np.flatnonzero(start > before):
-            begin, ends, hits, lanes = (table[t] for table in tables)
-            g, m = found[t], ends[found[t] - 1]
-            parts.append(Part(begin[:g], ends[:g], hits[:m], lanes[:m]))
+        parts.append(Part(found, *tables))
         if ((start == before) & (start < stop)).any():
             room *= 2
     return Meetings(asking.point, asked.point, parts)

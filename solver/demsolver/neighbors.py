@@ -67,7 +67,7 @@ def build(scene: Scene, bodies: Bodies, lo: Floats, hi: Floats, columns: int, *,
     levels = cells.levels_of(bodies.x, images, bodies.radius, skin)
     meetings = [found for level in levels for found in neighbor_search.meetings_of(level, skin, threads)]
     excluded, classes = exclusions(scene, bodies.mask, bodies.kind, None if frozen_pairs else bodies.frozen)
-    first, row, partner, code = neighbor_rows.rows_of(n, images, meetings, classes, excluded, periodic=any(periodic))
+    first, row, partner, code = neighbor_rows.rows_of(n, images, meetings, classes, excluded, periodic=any(periodic), threads=threads)
     return Pairs(first, row, partner, code, np.zeros(len(partner), dtype=np.uint8), np.zeros((len(partner), columns)))
 
 
@@ -146,14 +146,15 @@ def _morton(x, lo, inverse, top, keys):  # type: ignore[no-untyped-def]  # noqa:
     return largest
 
 
-def carry(old: Remembered, new: Pairs, wraps: Wraps, outlives: bool, signs: Floats, bodies: Bodies, shifts: Floats, renumber: Ints) -> None:
+def carry(
+    old: Remembered, new: Pairs, wraps: Wraps, outlives: bool, signs: Floats, bodies: Bodies, shifts: Floats, renumber: Ints, threads: int = 1
+) -> None:
     """Hands what is remembered of the old list to the new one.
 
     wraps: (n, 3) periodic wraps since the old list, by old row. signs: (c,) of the columns of the law's memory when the particles change places.
-    bodies, shifts: as they are now. renumber: (n,) where old row r now stands; (0,) if
-    where it stood.
+    bodies, shifts: as they are now. renumber: (n,) where old row r now stands; (0,) if where it stood. threads: how many share the work.
 
     What touched at the last step goes over (LAMMPS). With `outlives`, what has touched since the last list goes over, but its
     tangential history only if the pair overlaps now (LIGGGHTS).
     """
-    neighbor_rows.hand_over(old, new, wraps, outlives, signs, bodies.x, bodies.radius, shifts, renumber)
+    neighbor_rows.hand_over(threads, old, new, wraps, outlives, signs, bodies.x, bodies.radius, shifts, renumber)

@@ -264,7 +264,7 @@ class Simulation:
             place, b = self._resort(), self._bodies
             keep_frozen = columns > 0 or self.virial  # what a frozen contact remembers counts again when it is set free
             new = neighbors.build(self.scene, b, self.box_lo, self.box_hi, columns, frozen_pairs=keep_frozen, threads=self._threads)
-            neighbors.carry(old, new, wraps, self.scene.history_outlives_contact, self._signs, b, self._shifts(), place)
+            neighbors.carry(old, new, wraps, self.scene.history_outlives_contact, self._signs, b, self._shifts(), place, self._threads)
             del old
             self._allot(new)
             if self._sleepers and self._sleepers.wake(self._bodies, new):

@@ -89,7 +89,7 @@ def random_scene(seed: int, sizes: str, periodic: tuple[bool, bool, bool], skin:
     n = int(rng.integers(1, 50))
     radius = RADII[sizes](rng, n)
     reach = 2.0 * radius.max() + skin or 0.1
-    lo = rng.uniform(-5.0, 5.0, 3)
+    lo = rng.uniform(-5.0, 5.0, 3) * reach  # so that rounding leaves the box as long as it is said to be
     length = reach * rng.choice([1.0 + 1e-9, 1.05, 2.0, 3.5, 30.0], 3)
     places = rng.uniform(0.0, 1.0, (n, 3)) if rng.random() < 0.8 else rng.integers(0, 4, (n, 3)) / 4
     frozen = rng.integers(0, 2, n)
