@@ -8,6 +8,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from demsolver.neighbor_search import shares
 from demsolver.state import Floats, Ints, Pairs
 
 
@@ -66,7 +67,7 @@ def near_of(pairs: Pairs, scale: Floats, chunk: int, threads: int, *, turns: boo
         listing=np.empty(m + 1, dtype=np.uint32),
         code=np.empty(len(pairs.code), dtype=np.uint8), pushed=np.zeros((n + 7) // 8, dtype=np.uint8),
         kept_row=np.empty(kept, dtype=np.int64), kept_action=np.empty((kept, 6 if turns else 3)),
-        share=np.linspace(0, count, threads + 1).astype(np.int64), cross_share=np.linspace(0, count, threads + 1).astype(np.int64),
+        share=shares(count, threads), cross_share=shares(count, threads),
         lanes=np.empty((threads, BLOCK * FIELDS), dtype=np.float32 if mixed else np.float64),
         past=np.empty((threads, BLOCK * max(1, pairs.memory.shape[1]))), who=np.zeros((threads, 5 * BLOCK), dtype=np.uint32),
         scale=scale,

@@ -13,7 +13,7 @@ from numba import njit, prange
 from numpy.typing import NDArray
 
 from demsolver.neighbor_grid import Codes, Images, Numbers
-from demsolver.neighbor_search import Meetings
+from demsolver.neighbor_search import Meetings, shares
 from demsolver.state import Floats, Ints, Pairs
 
 # ruff: noqa: ANN001, ANN202
@@ -49,7 +49,7 @@ def rows_of(
     _mirror(n, images.owner, images.code, runs, crossing, crossing_code, counts[0])
     first, place = _cumulate(counts)
     m = int(first[-1])
-    share = np.searchsorted(first, np.linspace(0, m, threads + 1)).astype(np.int64)
+    share = np.searchsorted(first, shares(m, threads))
     share[0], share[-1] = 0, n
     keys = np.empty(m, dtype=np.uint64)
     _do(_scatter, _scatter_in_threads, share, runs, crossing, crossing_code, place, keys)
@@ -61,9 +61,9 @@ def rows_of(
 
 
 def _do(one: Any, in_threads: Any, share: Ints, *rest: Any) -> None:
-    """One thread does what share[0]:share[1] names, several do a part each."""
+    """One thread does what share[0]:share[1] names, several do a part each: one(t, share[t], share[t + 1], ...)."""
     if len(share) == 2:
-        one(share[0], share[1], *rest)
+        one(0, share[0], share[1], *rest)
     else:
         in_threads(share, *rest)
 
@@ -82,7 +82,7 @@ def _collected(
     runs = Runs(np.empty(begin[-1], dtype=np.uint64), begin, begin[:-1].copy(), begin[1:].copy())
     for k, (found, part) in enumerate(parts):
         points = n, owner, found.asking, found.asked
-        _do(_collect, _collect_in_threads, np.arange(threads + 1), k * threads, *points, part, classes, excluded, runs, counts)
+        _do(_collect, _collect_in_threads, shares(threads, threads), k * threads, *points, part, classes, excluded, runs, counts)
     return runs
 
 
@@ -96,7 +96,7 @@ def _count(lanes):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, error_model="numpy")
-def _collect(t, _, before, n, owner, asking, asked, part, classes, excluded, runs, counts):  # type: ignore[no-untyped-def]
+def _collect(t, low, high, before, n, owner, asking, asked, part, classes, excluded, runs, counts):  # type: ignore[no-untyped-def]
     """Writes what thread t found as run before + t, and counts pairs at home."""
     begin, ends, hits, lanes = part.begin[t], part.ends[t], part.hits[t], part.lanes[t]
     pairs, count = runs.pairs, counts[t]
@@ -126,7 +126,7 @@ def _collect(t, _, before, n, owner, asking, asked, part, classes, excluded, run
 @njit(cache=True, error_model="numpy", parallel=True)
 def _collect_in_threads(share, before, n, owner, asking, asked, part, classes, excluded, runs, counts):  # type: ignore[no-untyped-def]
     for t in prange(len(share) - 1):
-        _collect(share[t], share[t + 1], before, n, owner, asking, asked, part, classes, excluded, runs, counts)
+        _collect(t, share[t], share[t + 1], before, n, owner, asking, asked, part, classes, excluded, runs, counts)
 
 
 @njit(error_model="numpy", forceinline=True)
@@ -170,7 +170,7 @@ def _cumulate(counts):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, error_model="numpy")
-def _scatter(low, high, runs, crossing, code, place, keys):  # type: ignore[no-untyped-def]
+def _scatter(t, low, high, runs, crossing, code, place, keys):  # type: ignore[no-untyped-def]
     """Puts the entries of rows low..high into their rows, in the order in which they were found."""
     low, high, one, bits = np.uint32(low), np.uint32(high), np.uint32(1), np.uint64(CODE_BITS)
     for r in range(len(runs.faces)):
@@ -189,11 +189,11 @@ def _scatter(low, high, runs, crossing, code, place, keys):  # type: ignore[no-u
 @njit(cache=True, error_model="numpy", parallel=True)
 def _scatter_in_threads(share, runs, crossing, code, place, keys):  # type: ignore[no-untyped-def]
     for t in prange(len(share) - 1):
-        _scatter(share[t], share[t + 1], runs, crossing, code, place, keys)
+        _scatter(t, share[t], share[t + 1], runs, crossing, code, place, keys)
 
 
 @njit(cache=True, error_model="numpy")
-def _sort_rows(low, high, first, keys, row, partner, code):  # type: ignore[no-untyped-def]
+def _sort_rows(t, low, high, first, keys, row, partner, code):  # type: ignore[no-untyped-def]
     """Sorts the entries of rows low..high by partner, those of one pair by code, and writes them."""
     bits, mask, coded = np.uint64(CODE_BITS), np.uint64((1 << CODE_BITS) - 1), len(code) > 0
     for i in range(low, high):
@@ -215,7 +215,7 @@ def _sort_rows(low, high, first, keys, row, partner, code):  # type: ignore[no-u
 @njit(cache=True, error_model="numpy", parallel=True)
 def _sort_rows_in_threads(share, first, keys, row, partner, code):  # type: ignore[no-untyped-def]
     for t in prange(len(share) - 1):
-        _sort_rows(share[t], share[t + 1], first, keys, row, partner, code)
+        _sort_rows(t, share[t], share[t + 1], first, keys, row, partner, code)
 
 
 class Remembered(NamedTuple):
@@ -228,49 +228,70 @@ class Remembered(NamedTuple):
     memory: Floats
 
 
-def remembered(pairs: Pairs) -> Remembered:
+def remembered(pairs: Pairs, threads: int = 1) -> Remembered:
     """What of a list goes over to the next."""
-    return Remembered(*_remembered(pairs.row, pairs.partner, pairs.code, pairs.touching, pairs.memory))
+    share, ends = shares(len(pairs.touching), threads), np.zeros(threads + 1, dtype=np.int64)
+    _do(_count_touching, _count_touching_in_threads, share, pairs.touching, ends)
+    np.cumsum(ends, out=ends)
+    r = int(ends[-1])
+    code, columns = np.empty(r if len(pairs.code) else 0, dtype=np.uint8), pairs.memory.shape[1]
+    kept = Remembered(np.empty(r, dtype=np.uint32), np.empty(r, dtype=np.uint32), code, np.empty(r, dtype=np.uint8), np.empty((r, columns)))
+    _do(_remember_touching, _remember_touching_in_threads, share, ends, pairs, kept)
+    return kept
 
 
 @njit(cache=True, error_model="numpy")
-def _remembered(row, partner, code, touching, memory):  # type: ignore[no-untyped-def]
-    """The entries that touch, or touched."""
+def _count_touching(t, low, high, touching, ends):  # type: ignore[no-untyped-def]
+    """Writes how many of the entries low..high touch, or touched."""
     r = 0
-    for k in range(len(touching)):
+    for k in range(low, high):
         r += touching[k] != 0
-    coded = len(code) > 0
-    to_row, to_partner, to_touching = np.empty(r, dtype=np.uint32), np.empty(r, dtype=np.uint32), np.empty(r, dtype=np.uint8)
-    to_code, to_memory = np.empty(r if coded else 0, dtype=np.uint8), np.empty((r, memory.shape[1]))
-    q = np.uint64(0)
-    for k in range(np.uint64(len(touching))):
-        if touching[k] != 0:
-            to_row[q], to_partner[q], to_touching[q] = row[k], partner[k], touching[k]
+    ends[t + 1] = r
+
+
+@njit(cache=True, error_model="numpy", parallel=True)
+def _count_touching_in_threads(share, touching, ends):  # type: ignore[no-untyped-def]
+    for t in prange(len(share) - 1):
+        _count_touching(t, share[t], share[t + 1], touching, ends)
+
+
+@njit(cache=True, error_model="numpy")
+def _remember_touching(t, low, high, ends, pairs, kept):  # type: ignore[no-untyped-def]
+    """Writes those of the entries low..high that touch, or touched, from place ends[t] on."""
+    q, coded, columns = np.uint64(ends[t]), len(pairs.code) > 0, pairs.memory.shape[1]
+    for k in range(np.uint64(low), np.uint64(high)):
+        if pairs.touching[k] != 0:
+            kept.row[q], kept.partner[q], kept.touching[q] = pairs.row[k], pairs.partner[k], pairs.touching[k]
             if coded:
-                to_code[q] = code[k]
-            for c in range(memory.shape[1]):
-                to_memory[q, c] = memory[k, c]
+                kept.code[q] = pairs.code[k]
+            for c in range(columns):
+                kept.memory[q, c] = pairs.memory[k, c]
             q += np.uint64(1)
-    return to_row, to_partner, to_code, to_touching, to_memory
+
+
+@njit(cache=True, error_model="numpy", parallel=True)
+def _remember_touching_in_threads(share, ends, pairs, kept):  # type: ignore[no-untyped-def]
+    for t in prange(len(share) - 1):
+        _remember_touching(t, share[t], share[t + 1], ends, pairs, kept)
 
 
 def hand_over(threads: int, old: Remembered, *rest: Any) -> None:
     """Hands what is remembered of an old list to a new one: see neighbors.carry."""
-    _do(_hand_over, _hand_over_in_threads, np.linspace(0, len(old.row), threads + 1).astype(np.int64), old, *rest)
+    _do(_hand_over, _hand_over_in_threads, shares(len(old.row), threads), old, *rest)
 
 
 @njit(cache=True, error_model="numpy", parallel=True)
 def _hand_over_in_threads(share, old, new, wraps, outlives, signs, x, radius, shifts, renumber):  # type: ignore[no-untyped-def]
     for t in prange(len(share) - 1):
-        _hand_over(share[t], share[t + 1], old, new, wraps, outlives, signs, x, radius, shifts, renumber)
+        _hand_over(t, share[t], share[t + 1], old, new, wraps, outlives, signs, x, radius, shifts, renumber)
 
 
 @njit(cache=True, error_model="numpy")
-def _hand_over(begin, end, old, new, wraps, outlives, signs, x, radius, shifts, renumber):  # type: ignore[no-untyped-def]
-    """The entries begin..end of the old list; each has places of its own in the new one."""
+def _hand_over(t, low, high, old, new, wraps, outlives, signs, x, radius, shifts, renumber):  # type: ignore[no-untyped-def]
+    """The entries low..high of the old list; each has places of its own in the new one."""
     row, partner, codes, touching, memory = old
     to_first, _, to_partner, to_codes, to_touching, to_memory = new
-    for k in range(begin, end):
+    for k in range(low, high):
         code = int(codes[k]) if len(codes) else HOME
         shift = code % PARTNER_FEELS
         acts, other = np.int64(row[k]), np.int64(partner[k])

@@ -60,7 +60,7 @@ def _meetings(asking: Sorted, asked: Sorted, cells: Cells, skin: float, ahead: i
     """Sweeps over all points, each thread over a run of them, in as many parts as there is room for. ahead: cells along x that reach far enough."""
     parts: list[Part] = []
     points = len(asking.point)
-    share = np.linspace(0, points, threads + 1).astype(np.int64)
+    share = shares(points, threads)
     start, stop = share[:-1].copy(), share[1:]
     front = np.searchsorted(asked.keys[:-1], asking.keys[start][:, None] - ahead + offsets).astype(np.uint64)
     room = 4 * (points // threads) + 64
@@ -74,6 +74,11 @@ def _meetings(asking: Sorted, asked: Sorted, cells: Cells, skin: float, ahead: i
         if ((start == before) & (start < stop)).any():
             room *= 2
     return Meetings(asking.point, asked.point, parts)
+
+
+def shares(m: int, threads: int) -> Ints:
+    """(t + 1,) thread t does share[t] to share[t + 1] of m things."""
+    return np.arange(threads + 1) * m // threads
 
 
 def _sweep_in_turn(asking, asked, radius, itself, largest, skin, fine, ahead, offsets, front, start, stop, found, begin, ends, hits, lanes):  # type: ignore[no-untyped-def]

@@ -259,7 +259,7 @@ class Simulation:
         if self._has.PAIRS:
             pairs, columns = self._pairs, self._pairs.memory.shape[1]
             self._allot(neighbors.empty_pairs(len(self.id), columns))  # the old list makes room
-            old = neighbors.remembered(pairs)
+            old = neighbors.remembered(pairs, self._threads)
             del pairs
             place, b = self._resort(), self._bodies
             keep_frozen = columns > 0 or self.virial  # what a frozen contact remembers counts again when it is set free
