@@ -5,6 +5,7 @@ from __future__ import annotations
 import gzip
 import re
 from dataclasses import dataclass, field
+from itertools import chain
 from pathlib import Path
 
 import numpy as np
@@ -98,8 +99,8 @@ def particles_of(data: DataFile, setup: Setup) -> Atoms:
     rows = data.rows.get("Atoms", [])
     _check_count(data, "Atoms")
     _check_widths(data, rows, (7, 10), _ATOM_COLUMNS)
-    table = _table(data, [(number, words[:7]) for number, words in rows], _ATOM_COLUMNS)
-    images = _table(data, [(number, words[7:] or ["0", "0", "0"]) for number, words in rows], "ix iy iz")
+    table = _table(data, rows, _ATOM_COLUMNS)
+    images = table[:, 7:] if table.shape[1] == 10 else np.zeros((len(rows), 3))
     _check_whole(data, rows, table[:, 0], "id", 1)
     _check_whole(data, rows, table[:, 1], "type", 1, setup.ntypes)
     _complain(data, rows, (images != np.floor(images)).any(axis=1), "ix iy iz must be whole numbers")
@@ -146,9 +147,10 @@ def _check_widths(data: DataFile, rows: list[tuple[int, list[str]]], widths: tup
 
 def _table(data: DataFile, rows: list[tuple[int, list[str]]], columns: str) -> Floats:
     """(n, columns) numbers, all finite."""
+    flat = [*chain.from_iterable(words for _, words in rows)]
     try:
-        table = np.array([float(word) for _, words in rows for word in words]).reshape(len(rows), len(rows[0][1]) if rows else 10)
-        if np.isfinite(table).all() and not any("_" in word for _, words in rows for word in words):  # Python reads 1_0
+        table = np.fromiter(map(float, flat), dtype=float, count=len(flat)).reshape(len(rows), len(rows[0][1]) if rows else 10)
+        if np.isfinite(table).all() and "_" not in "".join(flat):  # Python reads 1_0
             return table
     except ValueError:
         pass  # one word is no number: found below, with its line
