@@ -38,11 +38,11 @@ class Runs(NamedTuple):
 
 
 def rows_of(
-    n: int, images: Images, meetings: list[Meetings], classes: Numbers, excluded: NDArray[np.bool_], *, periodic: bool, threads: int = 1
+    n: int, images: Images, meetings: list[Meetings], unseen: tuple[NDArray[np.bool_], Numbers], *, periodic: bool, threads: int = 1
 ) -> tuple[Ints, Numbers, Numbers, Codes]:
-    """first, row, partner, code of state.Pairs. classes: (n,), of which those pairs are left out that `excluded` (k, k) names. meetings: emptied."""
+    """first, row, partner, code of state.Pairs. unseen: see neighbors.exclusions. meetings: emptied."""
     counts = np.zeros((threads, n), dtype=np.uint32)
-    runs = _collected(n, images.owner, meetings, classes, excluded, counts)
+    runs = _collected(n, images.owner, meetings, unseen, counts)
     meetings.clear()  # they take as much room as the list
     faces = int((runs.begin[1:] - runs.faces).sum())
     crossing, crossing_code = np.empty(2 * faces, dtype=np.uint64), np.empty(2 * faces, dtype=np.uint8)
@@ -68,9 +68,7 @@ def _do(one: Any, in_threads: Any, share: Ints, *rest: Any) -> None:
         in_threads(share, *rest)
 
 
-def _collected(
-    n: int, owner: Numbers, meetings: list[Meetings], classes: Numbers, excluded: NDArray[np.bool_], counts: NDArray[np.uint32]
-) -> Runs:
+def _collected(n: int, owner: Numbers, meetings: list[Meetings], unseen: tuple[NDArray[np.bool_], Numbers], counts: NDArray[np.uint32]) -> Runs:
     """counts: (t, n) of the pairs at home in each row, by who found them."""
     parts = [(found, part) for found in meetings for part in found.parts]
     threads = len(counts)
@@ -82,7 +80,7 @@ def _collected(
     runs = Runs(np.empty(begin[-1], dtype=np.uint64), begin, begin[:-1].copy(), begin[1:].copy())
     for k, (found, part) in enumerate(parts):
         points = n, owner, found.asking, found.asked
-        _do(_collect, _collect_in_threads, shares(threads, threads), k * threads, *points, part, classes, excluded, runs, counts)
+        _do(_collect, _collect_in_threads, shares(threads, threads), k * threads, *points, part, *unseen, runs, counts)
     return runs
 
 
@@ -96,7 +94,7 @@ def _count(lanes):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, error_model="numpy")
-def _collect(t, low, high, before, n, owner, asking, asked, part, classes, excluded, runs, counts):  # type: ignore[no-untyped-def]
+def _collect(t, _low, _high, before, n, owner, asking, asked, part, excluded, classes, runs, counts):  # type: ignore[no-untyped-def]
     """Writes what thread t found as run before + t, and counts pairs at home."""
     begin, ends, hits, lanes = part.begin[t], part.ends[t], part.hits[t], part.lanes[t]
     pairs, count = runs.pairs, counts[t]
@@ -124,9 +122,9 @@ def _collect(t, low, high, before, n, owner, asking, asked, part, classes, exclu
 
 
 @njit(cache=True, error_model="numpy", parallel=True)
-def _collect_in_threads(share, before, n, owner, asking, asked, part, classes, excluded, runs, counts):  # type: ignore[no-untyped-def]
+def _collect_in_threads(share, before, n, owner, asking, asked, part, excluded, classes, runs, counts):  # type: ignore[no-untyped-def]
     for t in prange(len(share) - 1):
-        _collect(t, share[t], share[t + 1], before, n, owner, asking, asked, part, classes, excluded, runs, counts)
+        _collect(t, share[t], share[t + 1], before, n, owner, asking, asked, part, excluded, classes, runs, counts)
 
 
 @njit(error_model="numpy", forceinline=True)

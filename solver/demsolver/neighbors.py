@@ -17,10 +17,11 @@ from demsolver.neighbor_rows import HOME, PARTNER_FEELS, Remembered, remembered
 from demsolver.scene import Scene
 from demsolver.state import Bodies, Floats, Ints, Pairs, selected
 
-__all__ = ["HOME", "PARTNER_FEELS", "SHIFTS", "build", "carry", "empty_pairs", "exclusions", "morton_order", "remembered", "wrap"]
+__all__ = ["HOME", "PARTNER_FEELS", "SHIFTS", "build", "carry", "empty_pairs", "exclusions", "frozen_remember", "morton_order", "remembered", "wrap"]
 
 SHIFTS: Ints = np.array([[a, b, c] for a in (-1, 0, 1) for b in (-1, 0, 1) for c in (-1, 0, 1)])
 Wraps = NDArray[np.int8]
+Unseen = tuple[NDArray[np.bool_], NDArray[np.uint32]]
 MORTON_BITS = 21  # of every axis, so that a code fits an int64
 
 
@@ -51,9 +52,9 @@ def _wrap(x, axis, lo, hi, wraps):  # type: ignore[no-untyped-def]  # noqa: ANN0
             wraps[i, axis] = 1
 
 
-def build(scene: Scene, bodies: Bodies, lo: Floats, hi: Floats, columns: int, *, frozen_pairs: bool, threads: int = 1) -> Pairs:
-    """Lists all pairs at the current positions; their memory is empty. lo, hi: (3,) of the box. frozen_pairs: whether to list those of two frozen
-    particles. threads: how many search.
+def build(scene: Scene, bodies: Bodies, lo: Floats, hi: Floats, columns: int, unseen: Unseen, threads: int = 1) -> Pairs:
+    """Lists all pairs at the current positions; their memory is empty. lo, hi: (3,) of the box. unseen: as `exclusions` gives it. threads: how
+    many search.
 
     Raises ValueError when a periodic box is shorter than the reach of a contact.
     """
@@ -66,8 +67,7 @@ def build(scene: Scene, bodies: Bodies, lo: Floats, hi: Floats, columns: int, *,
     images = cells.images_of(bodies.x, bodies.radius, skin, lo, hi, periodic)
     levels = cells.levels_of(bodies.x, images, bodies.radius, skin)
     meetings = [found for level in levels for found in neighbor_search.meetings_of(level, skin, threads)]
-    excluded, classes = exclusions(scene, bodies.mask, bodies.kind, None if frozen_pairs else bodies.frozen)
-    first, row, partner, code = neighbor_rows.rows_of(n, images, meetings, classes, excluded, periodic=any(periodic), threads=threads)
+    first, row, partner, code = neighbor_rows.rows_of(n, images, meetings, unseen, periodic=any(periodic), threads=threads)
     return Pairs(first, row, partner, code, np.zeros(len(partner), dtype=np.uint8), np.zeros((len(partner), columns)))
 
 
@@ -79,7 +79,7 @@ def _check_box(lo: Floats, hi: Floats, periodic: tuple[bool, bool, bool], reach:
             raise ValueError(message)
 
 
-def exclusions(scene: Scene, mask: Ints, kind: Ints, frozen: NDArray[np.bool_] | None = None) -> tuple[NDArray[np.bool_], NDArray[np.uint32]]:
+def exclusions(scene: Scene, mask: Ints, kind: Ints, frozen: NDArray[np.bool_] | None = None) -> Unseen:
     """A table (k, k) of classes of particles that do not see each other, and the class of every particle. frozen: (n,) particles that do not see each
     other either."""
     group = {bit: selected(mask, bit) for rule in scene.neighbor.exclude for bit in rule}
@@ -109,6 +109,13 @@ def _split(a, b, classes, seen):  # type: ignore[no-untyped-def]  # noqa: ANN001
             found += 1
         classes[i] = seen[pattern]
     return samples[:found].copy()
+
+
+def frozen_remember(old: Remembered, b: Bodies) -> bool:
+    """Whether contacts of two frozen particles remember something, which counts again when they are set free, or move and so begin to."""
+    if not b.frozen.any():
+        return False
+    return bool((b.frozen[old.row] & b.frozen[old.partner]).any() or b.v[b.frozen].any() or b.omega[b.frozen[: len(b.omega)]].any())
 
 
 def morton_order(x: Floats, lo: Floats, size: float) -> Ints:

@@ -77,6 +77,7 @@ class Simulation:
         self._scale = np.array([scene.particles.radius.mean() if len(self.id) else 0.0, 0.0, START_LEEWAY])
         self._movers = int(self._bodies.moving.sum())
         self._sleepers = Sleepers(sleep, len(self.id)) if sleep else None
+        self._unseen: dict[bool, neighbors.Unseen] = {}  # by whether two frozen particles see each other
         self._sort(_movers_first(self._bodies, np.arange(len(self.id))))
         self._allot(neighbors.empty_pairs(len(self.id), len(self._signs) + self._extra))
         self._age = self._lists = 0
@@ -257,13 +258,14 @@ class Simulation:
         wraps = self._without_lost(wraps)
         self._age = 0
         if self._has.PAIRS:
-            pairs, columns = self._pairs, self._pairs.memory.shape[1]
-            self._allot(neighbors.empty_pairs(len(self.id), columns))  # the old list makes room
-            old = neighbors.remembered(pairs, self._threads)
-            del pairs
+            columns = self._pairs.memory.shape[1]
+            old = neighbors.remembered(self._pairs, self._threads)
+            del self._pairs, self._near  # the old list makes room
+            keep_frozen = self.virial or self._budget or (columns > 0 and neighbors.frozen_remember(old, b))
             place, b = self._resort(), self._bodies
-            keep_frozen = columns > 0 or self.virial  # what a frozen contact remembers counts again when it is set free
-            new = neighbors.build(self.scene, b, self.box_lo, self.box_hi, columns, frozen_pairs=keep_frozen, threads=self._threads)
+            if keep_frozen not in self._unseen:
+                self._unseen[keep_frozen] = neighbors.exclusions(self.scene, b.mask, b.kind, None if keep_frozen else b.frozen)
+            new = neighbors.build(self.scene, b, self.box_lo, self.box_hi, columns, self._unseen[keep_frozen], self._threads)
             neighbors.carry(old, new, wraps, self.scene.history_outlives_contact, self._signs, b, self._shifts(), place, self._threads)
             del old
             self._allot(new)
@@ -295,6 +297,7 @@ class Simulation:
         else:
             self._bodies = Bodies(*(array[rows] if len(array) == n else array for array in self._bodies))  # type: ignore[arg-type]
         self._image, self._order = self._image[rows], self._order[rows]
+        self._unseen.clear()
         if self._sleepers:
             self._sleepers.sort(rows)
         self._walls = tuple((g, bit, c, memory[rows], touching[rows]) for g, bit, c, memory, touching in self._walls)

@@ -84,7 +84,8 @@ def contacts_of(scene: Scene) -> Contacts:
     if scene.pair is None:
         return contacts_in(scene, bodies, listed(neighbors.empty_pairs(len(bodies.x), 0), rows), hi - lo)
     near = replace(scene, neighbor=replace(scene.neighbor, skin=0.0))
-    return contacts_in(scene, bodies, listed(neighbors.build(near, bodies, lo, hi, 0, frozen_pairs=True), rows), hi - lo)
+    pairs = neighbors.build(near, bodies, lo, hi, 0, neighbors.exclusions(near, bodies.mask, bodies.kind))
+    return contacts_in(scene, bodies, listed(pairs, rows), hi - lo)
 
 
 def contacts_in(scene: Scene, bodies: Bodies, pairs: Listed, size: Floats) -> Contacts:

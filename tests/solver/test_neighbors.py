@@ -33,7 +33,8 @@ def scene_of(x, radius, lo, hi, *, periodic=(False, False, False), skin=0.1, typ
 def build(scene: Scene, columns: int = 0, *, frozen_pairs: bool = True, bodies: Bodies | None = None, threads: int = 1) -> Pairs:
     """The list of a scene at its own positions."""
     bodies = bodies or bodies_of(scene, aside=False)
-    return neighbors.build(scene, bodies, scene.box.lo, scene.box.hi, columns, frozen_pairs=frozen_pairs, threads=threads)
+    unseen = neighbors.exclusions(scene, bodies.mask, bodies.kind, None if frozen_pairs else bodies.frozen)
+    return neighbors.build(scene, bodies, scene.box.lo, scene.box.hi, columns, unseen, threads)
 
 
 def entries(pairs: Pairs) -> np.ndarray:

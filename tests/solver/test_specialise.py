@@ -120,6 +120,44 @@ def pile(n: int = 3 * CHUNK + 100, friction: str = "classic_history", *, outlive
     )  # fmt: skip
 
 
+def test_a_frozen_base_is_not_looked_at() -> None:
+    """Law: pairs of two frozen particles at rest are not listed, unless books need them, and that changes no bit: not while they are frozen, and not
+    when they are set free."""
+    ends, scene = [], pile()
+    scene.particles.v[scene.particles.mask == 5] = 0.0
+    for virial in (False, True):
+        simulation = Simulation(scene, virial=virial)
+        simulation.setup()
+        pairs, frozen = simulation.pairs, simulation.bodies.frozen
+        assert (frozen[pairs.i] & frozen[pairs.j]).any() == virial
+        simulation.advance(100)
+        free = replace(simulation.scene, particles=simulation.particles(), forces=simulation.scene.forces[:1], integrate=(NveSphere(),))
+        simulation = simulation.continue_with(free)
+        simulation.setup()
+        simulation.advance(100)
+        ends.append(simulation.particles())
+    assert same(*ends)
+
+
+def test_what_frozen_contacts_remember_is_kept() -> None:
+    """Law: who is frozen while touching goes on from the same springs when set free, however many lists were made meanwhile."""
+    scene = pile()
+    simulation = Simulation(replace(scene, forces=scene.forces[:1], integrate=(NveSphere(),)))
+    simulation.setup()
+    simulation.advance(60)
+    every = replace(scene, particles=simulation.particles(), forces=(Gravity((0.0, 0.0, -9.81)), Freeze(0)), integrate=(NveSphere(),))
+    every.particles.v[:], every.particles.omega[:] = 0.0, 0.0
+    simulation = simulation.continue_with(every)
+    springs = []
+    for _ in range(3):
+        simulation.setup()
+        simulation.advance(10)  # the first of these steps brings the springs to the friction limit of contacts at rest
+        pairs = simulation.pairs
+        springs.append(np.sort(np.linalg.norm(pairs.memory[pairs.touching == 1], axis=1)))
+    assert springs[0].max() > 1e-6
+    assert np.allclose(springs[0], springs[-1], rtol=1e-12, atol=0.0)  # springs are turned into the tangent plane in every step
+
+
 THREADED = {
     "pile": pile,
     "pile, LIGGGHTS' histories": lambda: pile(outlives=True),
