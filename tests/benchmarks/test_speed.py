@@ -23,6 +23,7 @@ from tests.support.engines import require_lammps, require_liggghts
 
 pytestmark = [pytest.mark.lammps, pytest.mark.liggghts]
 STEPS = {"chute": 100, "bed": 200, "gas": 200, "column": 40, "sphere": 2000}
+FRICTION_AND_FIELD = "native, friction and a field of 0"
 FEW = ("native", "LAMMPS", "native, LIGGGHTS' rules", "LIGGGHTS", "native, with friction", "LAMMPS, with friction")
 
 
@@ -48,7 +49,7 @@ def checked(scene: Scene, contenders: Sequence[Contender], folder: Path) -> Iter
                 yield one.label, trouble(compared(one, scene, paths, folder / "compared", judge))
 
 
-@pytest.mark.parametrize("name", SCENES)
+@pytest.mark.parametrize("name", [pytest.param(name, marks=[pytest.mark.slow] if name in ("bed", "column") else []) for name in SCENES])
 def test_every_scene_goes_through_the_engines(name: str, states: Path, tmp_path: Path) -> None:
     """Law: in every scene LAMMPS and LIGGGHTS do what native does on their decks, as `demverify compare` judges it; the gas with friction too."""
     scene = short(name, states)
@@ -63,6 +64,13 @@ def test_threads_ranks_and_openmp_are_compared_too(states: Path, tmp_path: Path)
     found = dict(checked(short("chute", states), contenders, tmp_path))
     assert found == {one.label: "" for one in contenders[1:]}
     assert len(found) == 5
+
+
+def test_a_field_of_nothing_changes_no_bit(states: Path, tmp_path: Path) -> None:
+    """Law: the gas in which everybody is looked at in every step, for a field of 0, has the bits of the one in which only contacts are."""
+    contenders = [one for one in contenders_of(short("gas", states)) if one.label in ("native, with friction", FRICTION_AND_FIELD)]
+    found = dict(checked(short("gas", states), contenders, tmp_path))
+    assert found == {FRICTION_AND_FIELD: ""}
 
 
 MUTATIONS = {
