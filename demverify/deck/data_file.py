@@ -155,7 +155,7 @@ def _table(data: DataFile, rows: list[tuple[int, list[str]]], columns: str) -> F
     except ValueError:
         pass  # one word is no number: found below, with its line
     for number, words in rows:
-        for name, word in zip(columns.replace("[", "").split(), words, strict=False):
+        for name, word in zip(re.sub(r"[][]", "", columns).split(), words, strict=False):
             _number(word, name, Place(data.path, number))
     raise AssertionError("numpy and float() read numbers differently")
 

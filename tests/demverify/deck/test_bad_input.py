@@ -152,6 +152,7 @@ DATA = [
     ),
     (HEAD + FIRST + "2 1 0.1 2500 0.4 0.5 nan\n", ":12: expected a number for z, got 'nan'"),
     (HEAD + FIRST + "2 1 0.1 2500 o.4 0.5 0.5\n", ":12: expected a number for x, got 'o.4'"),
+    (HEAD + "Atoms\n\n1 1 0.1 2500 0.5 0.5 0.5 0 0 O\n2 1 0.1 2500 0.4 0.5 0.5 0 0 0\n", ":11: expected a number for iz, got 'O'"),
     (HEAD + FIRST + "1 1 0.1 2500 0.4 0.5 0.5\n", ":12: the id was given before, got '1 1 0.1"),
     (HEAD + FIRST + "2 2 0.1 2500 0.4 0.5 0.5\n", ":12: the type must be a whole number from 1 to 1, got '2 2"),
     (HEAD + FIRST + "2.5 1 0.1 2500 0.4 0.5 0.5\n", ":12: the id must be a whole number from 1, got '2.5"),
