@@ -23,6 +23,7 @@ PARTNER_FEELS = 32  # added to the code of an entry that the partner feels
 CODE_BITS = 6  # of a key, below the partner
 LOWEST_BIT = np.array([0, 0, 1, 0, 2, 0, 1, 0, 3, 0, 1, 0, 2, 0, 1, 0])  # of the numbers up to 15
 SHORT = 16  # a row of which each entry is compared with all others
+Unseen = tuple[NDArray[np.bool_], Numbers]  # of neighbors.exclusions
 
 
 class Runs(NamedTuple):
@@ -38,7 +39,7 @@ class Runs(NamedTuple):
 
 
 def rows_of(
-    n: int, images: Images, meetings: list[Meetings], unseen: tuple[NDArray[np.bool_], Numbers], *, periodic: bool, threads: int = 1
+    n: int, images: Images, meetings: list[Meetings], unseen: Unseen, *, periodic: bool, threads: int = 1
 ) -> tuple[Ints, Numbers, Numbers, Codes]:
     """first, row, partner, code of state.Pairs. unseen: see neighbors.exclusions. meetings: emptied."""
     counts = np.zeros((threads, n), dtype=np.uint32)
@@ -68,7 +69,7 @@ def _do(one: Any, in_threads: Any, share: Ints, *rest: Any) -> None:
         in_threads(share, *rest)
 
 
-def _collected(n: int, owner: Numbers, meetings: list[Meetings], unseen: tuple[NDArray[np.bool_], Numbers], counts: NDArray[np.uint32]) -> Runs:
+def _collected(n: int, owner: Numbers, meetings: list[Meetings], unseen: Unseen, counts: NDArray[np.uint32]) -> Runs:
     """counts: (t, n) of the pairs at home in each row, by who found them."""
     parts = [(found, part) for found in meetings for part in found.parts]
     threads = len(counts)

@@ -13,15 +13,16 @@ from numpy.typing import NDArray
 from demsolver import neighbor_grid as cells
 from demsolver import neighbor_rows, neighbor_search
 from demsolver.bind_law import longest_reach
-from demsolver.neighbor_rows import HOME, PARTNER_FEELS, Remembered, remembered
+from demsolver.neighbor_rows import HOME, PARTNER_FEELS, Remembered, Unseen, remembered
 from demsolver.scene import Scene
 from demsolver.state import Bodies, Floats, Ints, Pairs, selected
 
-__all__ = ["HOME", "PARTNER_FEELS", "SHIFTS", "build", "carry", "empty_pairs", "exclusions", "frozen_remember", "morton_order", "remembered", "wrap"]
+__all__ = [
+    "HOME", "PARTNER_FEELS", "SHIFTS", "Unseen", "build", "carry", "empty_pairs", "exclusions", "frozen_remember", "morton_order", "remembered", "wrap",
+]  # fmt: skip
 
 SHIFTS: Ints = np.array([[a, b, c] for a in (-1, 0, 1) for b in (-1, 0, 1) for c in (-1, 0, 1)])
 Wraps = NDArray[np.int8]
-Unseen = tuple[NDArray[np.bool_], NDArray[np.uint32]]
 MORTON_BITS = 21  # of every axis, so that a code fits an int64
 
 
