@@ -18,7 +18,8 @@ from demsolver.scene import Scene
 from demsolver.state import Bodies, Floats, Ints, Pairs, selected
 
 __all__ = [
-    "HOME", "PARTNER_FEELS", "SHIFTS", "Unseen", "build", "carry", "empty_pairs", "exclusions", "frozen_remember", "morton_order", "remembered", "wrap",
+    "HOME", "PARTNER_FEELS", "SHIFTS", "Unseen", "build", "carry", "empty_pairs", "exclusions", "frozen_remember", "morton_order",
+    "remembered", "wrap",
 ]  # fmt: skip
 
 SHIFTS: Ints = np.array([[a, b, c] for a in (-1, 0, 1) for b in (-1, 0, 1) for c in (-1, 0, 1)])
