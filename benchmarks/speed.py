@@ -4,7 +4,8 @@ Scenes: chute bed gas column sphere (benchmarks/speed_scenes.py says what they a
 the native solver with 1 and 2 threads, LAMMPS on 1 core, with 2 ranks and with its OpenMP styles, and through LIGGGHTS, which has rules of its
 own, so native runs that deck too. What is timed: whole runs of 1 to 4 s, neighbour lists and thermo output included, as the
 engines' own loop times tell; the start of the processes stands apart. The runs take turns, round by round; a rate is the median of its rounds, a
-ratio the median of the rounds' ratios. Peak memory is that of the process (of its ranks together); a Python process with
+ratio the median of the rounds' ratios. What a second thread brings is measured apart as well, by shorter turns in one process
+(speed_turns.py). Peak memory is that of the process (of its ranks together); a Python process with
 Numba holds 150 MB before it has a particle.
 
 No figure without the comparison: before the rounds every contender runs the same steps once with frames, and is held against native on the
@@ -41,6 +42,7 @@ from rich.table import Table
 
 from benchmarks.speed_run import Contender, EngineFailed, Judge, Sample, apart, compared, contenders_of, judge_of, measure, missing, trouble
 from benchmarks.speed_scenes import SCENES, Scene
+from benchmarks.speed_turns import ONE, TWO, Turns, joined, turns_of
 from demverify.compare import Check, summary
 from demverify.engines import ENGINES
 from demverify.engines.base import Found, Job
@@ -79,11 +81,12 @@ class Row:
 
 @dataclass
 class Result:
-    """A scene and its rows, by label. pairs: listed and touching, at the end."""
+    """A scene and its rows, by label. pairs: listed and touching, at the end. turns: of one and two threads, round by round."""
 
     scene: Scene
     rows: dict[str, Row]
     pairs: tuple[int, int] = (0, 0)
+    turns: list[Turns] = field(default_factory=list)
 
     def ratio(self, above: str, below: str) -> float | None:
         """Median of the rounds' ratios of two rates; None where one has no figure."""
@@ -110,6 +113,9 @@ def measured(
                 say(f"round {k + 1} of {repeats}, {label}")
                 job = row.contender.job(paths, folder / "timed", scene)
                 _guarded(_sample, row, job, scene, found[row.contender.twin], patience)
+        if TWO in result.rows and not any(result.rows[label].trouble for label in (ONE, TWO)):
+            say(f"round {k + 1} of {repeats}, one and two threads by turns")
+            _guarded(_turns, result.rows[TWO], result, paths, folder, patience)
     _no_figure_alone(result)
     return result
 
@@ -179,6 +185,14 @@ def _sample(row: Row, job: Job, scene: Scene, judge: Judge, patience: float) -> 
     row.trouble = trouble(checks)
 
 
+def _turns(row: Row, result: Result, paths: dict[str, Path], folder: Path, patience: float) -> None:
+    """A round of turns; two threads that part from one have no figure."""
+    job = row.contender.job(paths, folder / "turns", result.scene)
+    result.turns.append(turns_of(job.deck, job.variables, patience))
+    if not result.turns[-1].same:
+        row.trouble = "the turns of two threads ended at other bits than those of one"
+
+
 def cells(result: Result) -> Iterator[tuple[str, ...]]:
     """Rows of the table; short for a contender without a figure."""
     for label, row in result.rows.items():
@@ -199,6 +213,10 @@ def summed_up(result: Result) -> Iterator[str]:
     yield from (f"{label}: no figure: {row.trouble}" for label, row in result.rows.items() if not row.rates)
     shown = [(a, b, result.ratio(a, b)) for a, b in RATIOS]
     yield "; ".join(f"{a} / {b}: {ratio:.2f}" for a, b, ratio in shown if ratio is not None) or "no ratios"
+    if result.turns and not result.rows[TWO].trouble:
+        all_turns = joined(result.turns)
+        low, high = all_turns.half
+        yield f"{TWO} / {ONE} by turns in one process: {all_turns.middle:.2f}, half of {len(all_turns.ratios)} turns between {low:.2f} and {high:.2f}"
     for label, row in result.rows.items():
         if row.apart:
             yield f"{label}: {summary(row.checks)} {row.apart[0].upper()}{row.apart[1:]}."
@@ -247,6 +265,7 @@ def _scene_json(result: Result) -> dict[str, Any]:
     return {
         "title": result.scene.title, "n": result.scene.n, "steps": result.scene.steps, "listed": listed, "touching": touching,
         "ratios": {f"{a} / {b}": ratio for a, b in RATIOS if (ratio := result.ratio(a, b)) is not None},
+        "turns": [{"steps": turns.steps, "ratios": turns.ratios} for turns in result.turns],
         "contenders": {label: _row_json(row, result) for label, row in result.rows.items()},
     }  # fmt: skip
 

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
-from numba import njit
+from numba import njit, prange
 from numpy.typing import NDArray
 
-from demsolver.neighbor_search import shares
 from demsolver.state import Floats, Ints, Pairs
+from demsolver.threads import do, shares
 
 
 class Near(NamedTuple):
@@ -42,10 +42,14 @@ class Near(NamedTuple):
     scale: Floats
 
 
+# ruff: noqa: ANN001, ANN202
+
 BLOCK = 64
 """Contacts whose arithmetic is done in one go: their fields stay in the fastest cache."""
 START_LEEWAY = 3e-4
 """Of the mean radius, until the near list knows better."""
+LINES = 128
+"""Bytes that a core fetches together: two lines of its cache."""
 FIELDS = 38
 """Of a contact in a block, beside its memory (kernel_contact.py names them)."""
 
@@ -57,7 +61,7 @@ def near_of(pairs: Pairs, scale: Floats, chunk: int, threads: int, *, turns: boo
     count = max(1, -(-n // chunk))
     start = pairs.first[np.minimum(np.arange(count + 1) * min(chunk, n + 1), n)]
     crossing = np.zeros(count, dtype=np.int64)
-    _crossing(pairs.first, pairs.partner, chunk, crossing)
+    do(_crossing, _crossing_in_threads, shares(count, threads), pairs.first, pairs.partner, chunk, crossing)
     kept_first = np.cumsum(crossing) - crossing
     kept = int(crossing.sum()) if threads > 1 else 0
     first, cross_first = start[:-1], start[1:] - crossing
@@ -68,16 +72,27 @@ def near_of(pairs: Pairs, scale: Floats, chunk: int, threads: int, *, turns: boo
         code=np.empty(len(pairs.code), dtype=np.uint8), pushed=np.zeros((n + 7) // 8, dtype=np.uint8),
         kept_row=np.empty(kept, dtype=np.int64), kept_action=np.empty((kept, 6 if turns else 3)),
         share=shares(count, threads), cross_share=shares(count, threads),
-        lanes=np.empty((threads, BLOCK * FIELDS), dtype=np.float32 if mixed else np.float64),
-        past=np.empty((threads, BLOCK * max(1, pairs.memory.shape[1]))), who=np.zeros((threads, 5 * BLOCK), dtype=np.uint32),
+        lanes=_apart(threads, BLOCK * FIELDS, np.float32 if mixed else np.float64),
+        past=_apart(threads, BLOCK * max(1, pairs.memory.shape[1]), np.float64), who=_apart(threads, 5 * BLOCK, np.uint32),
         scale=scale,
     )  # fmt: skip
 
 
+def _apart(threads: int, m: int, kind: type[np.generic]) -> NDArray[Any]:
+    """(t, ...) zeros, at least m of each thread, in cache lines of its own: where two threads write to one line, each waits for the other."""
+    return np.zeros((threads, m + LINES // np.dtype(kind).itemsize), dtype=kind)
+
+
 @njit(cache=True, error_model="numpy")
-def _crossing(first, partner, chunk, found):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
-    """Writes how many pairs each chunk of rows has with later ones."""
-    for c in range(len(found)):
+def _crossing(t, low, high, first, partner, chunk, found):  # type: ignore[no-untyped-def]
+    """Writes how many pairs each of the chunks low..high of rows has with later ones."""
+    for c in range(low, high):
         stop = min(len(first) - 1, (c + 1) * chunk)
         for k in range(first[c * chunk], first[stop]):
             found[c] += np.int64(partner[k] >= stop)
+
+
+@njit(cache=True, error_model="numpy", parallel=True)
+def _crossing_in_threads(share, first, partner, chunk, found):  # type: ignore[no-untyped-def]
+    for t in prange(len(share) - 1):
+        _crossing(t, share[t], share[t + 1], first, partner, chunk, found)

@@ -10,10 +10,13 @@ from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
+from numba import njit, prange
 from numpy.typing import NDArray
 
 from demsolver.state import Floats, Ints
+from demsolver.threads import do, shares
+
+# ruff: noqa: ANN001, ANN202
 
 Numbers = NDArray[np.uint32]
 Codes = NDArray[np.uint8]
@@ -80,7 +83,7 @@ class Level(NamedTuple):
     finer_largest: float
 
 
-def levels_of(x: Floats, images: Images, radius: Floats, skin: float) -> Iterator[Level]:
+def levels_of(x: Floats, images: Images, radius: Floats, skin: float, threads: int = 1) -> Iterator[Level]:
     """All points, the largest first. x: (n, 3), n > 0. radius: (n,)."""
     bounds = bounds_of(x, images.place)
     alike = bool(radius.min() == radius.max())
@@ -91,11 +94,12 @@ def levels_of(x: Floats, images: Images, radius: Floats, skin: float) -> Iterato
         largest = [float(radius[part[part < len(x)]].max()) for part in parts]
     for k, part in enumerate(parts):
         cells = _cells(bounds, skin, largest[k])
-        own = _sorted(cells, x, images, radius, part, alike=alike)
+        own = _sorted(cells, x, images, radius, part, alike=alike, threads=threads)
         if k + 1 == len(parts):
             yield Level(cells, own, None, 0.0)
         else:
-            yield Level(cells, own, _sorted(cells, x, images, radius, np.concatenate(parts[k + 1 :]), alike=alike), largest[k + 1])
+            finer = np.concatenate(parts[k + 1 :])
+            yield Level(cells, own, _sorted(cells, x, images, radius, finer, alike=alike, threads=threads), largest[k + 1])
 
 
 def bounds_of(*places: Floats) -> Floats:
@@ -116,28 +120,33 @@ def _cells(bounds: Floats, skin: float, largest: float) -> Cells:
     return Cells(bounds[0], inverse, (extent * inverse).astype(np.int64) + 1, fine, largest)
 
 
-def _sorted(cells: Cells, x: Floats, images: Images, radius: Floats, members: Numbers, *, alike: bool) -> Sorted:
+def _sorted(cells: Cells, x: Floats, images: Images, radius: Floats, members: Numbers, *, alike: bool, threads: int) -> Sorted:
     """Members in the order of their cells."""
     p, more = len(members), len(members) + LANES - 1
-    keys = np.empty(p + 1, dtype=np.int64)
-    _number(x, images.place, members, *cells[:4], keys)
-    keys, members = sort(keys, members, int(cells.number[2]) * cells.layer)
+    share, keys = shares(p, threads), np.empty(p + 1, dtype=np.int64)
+    do(_number, _number_in_threads, share, x, images.place, members, *cells[:4], keys)
+    keys, members = sort(keys, members, int(cells.number[2]) * cells.layer, threads)
     found = Sorted(keys, members, np.empty(more), np.empty(more), np.empty(more), None if alike else np.empty(more))
-    _gather(x, images.place, images.owner, radius, members, *found[2:])
+    do(_gather, _gather_in_threads, share, x, images.place, images.owner, radius, members, *found[2:])
+    for values in found[2:5]:
+        values[p:] = np.inf
+    if found.radius is not None:
+        found.radius[p:] = 0.0
     return found
 
 
-def sort(keys: Ints, members: Numbers, span: int) -> tuple[Ints, Numbers]:
+def sort(keys: Ints, members: Numbers, span: int, threads: int = 1) -> tuple[Ints, Numbers]:
     """Sorts (p,) members by their keys in 0 .. span - 1, equal keys in the order they are in. keys: (p + 1,), overwritten. Returns keys, (p + 1,)
     with BEYOND at the end, and members."""
     bits = max(1, (span - 1).bit_length())
     passes = -(-bits // DIGIT)
     width = -(-bits // passes)
-    counts = np.zeros((passes, 1 << width), dtype=np.uint32)
-    _count_digits(keys, counts, width)
+    share, counts = shares(len(members), threads), np.empty((threads, 1 << width), dtype=np.uint32)
     to_keys, to_members, spare = np.empty_like(keys), np.empty_like(members), np.empty_like(members)
     for k in range(passes):
-        _sort_by_digit(keys, members, counts[k], k * width, to_keys, to_members)
+        do(_count_digits, _count_digits_in_threads, share, keys, k * width, counts)
+        _cumulate(counts)
+        do(_sort_by_digit, _sort_by_digit_in_threads, share, keys, members, counts, k * width, to_keys, to_members)
         keys, to_keys = to_keys, keys
         members, to_members = to_members, spare if k == 0 else members
     keys[-1] = BEYOND
@@ -169,7 +178,7 @@ def images_of(x: Floats, radius: Floats, skin: float, lo: Floats, hi: Floats, pe
 
 
 @njit(cache=True, error_model="numpy")
-def _bounds(place, bounds):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+def _bounds(place, bounds):  # type: ignore[no-untyped-def]
     """Moves bounds (2, 3) apart until all places are within."""
     low_x, low_y, low_z = bounds[0, 0], bounds[0, 1], bounds[0, 2]
     high_x, high_y, high_z = bounds[1, 0], bounds[1, 1], bounds[1, 2]
@@ -182,59 +191,85 @@ def _bounds(place, bounds):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN
 
 
 @njit(cache=True, error_model="numpy")
-def _number(x, images, members, low, inverse, number, fine, keys):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
-    """Writes the number of the cell of every member."""
+def _number(t, first, last, x, images, members, low, inverse, number, fine, keys):  # type: ignore[no-untyped-def]
+    """Writes the number of the cell of each of the members first..last."""
     n, row, rows = len(x), number[0] + fine, number[1] + 1
     low_x, low_y, low_z = low[0], low[1], low[2]
     per_x, per_y, per_z = inverse[0], inverse[1], inverse[2]
     top_x, top_y, top_z = number[0] - 1.0, number[1] - 1.0, number[2] - 1.0
-    for k in range(len(members)):
+    for k in range(np.uint64(first), np.uint64(last)):
         p = members[k]
         px, py, pz = (x[p, 0], x[p, 1], x[p, 2]) if p < n else (images[p - n, 0], images[p - n, 1], images[p - n, 2])
         a, b, c = min((px - low_x) * per_x, top_x), min((py - low_y) * per_y, top_y), min((pz - low_z) * per_z, top_z)
         keys[k] = (np.int64(c) * rows + np.int64(b)) * row + np.int64(a)
 
 
-@njit(cache=True, error_model="numpy")
-def _count_digits(keys, counts, width):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
-    """Counts every digit of the keys; a digit has `width` bits."""
-    mask = (1 << width) - 1
-    for k in range(counts.shape[0]):
-        for p in range(len(keys) - 1):
-            counts[k, (keys[p] >> (k * width)) & mask] += np.uint32(1)
+@njit(cache=True, error_model="numpy", parallel=True)
+def _number_in_threads(share, x, images, members, low, inverse, number, fine, keys):  # type: ignore[no-untyped-def]
+    for t in prange(len(share) - 1):
+        _number(t, share[t], share[t + 1], x, images, members, low, inverse, number, fine, keys)
 
 
 @njit(cache=True, error_model="numpy")
-def _sort_by_digit(keys, members, counts, shift, to_keys, to_members):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
-    """One pass of a radix sort; counts: of this digit, overwritten."""
+def _count_digits(t, first, last, keys, shift, counts):  # type: ignore[no-untyped-def]
+    """Counts the digits of the keys first..last; a digit has as many values as there are counters."""
+    count, mask = counts[t], counts.shape[1] - 1
+    count[:] = 0
+    for p in range(np.uint64(first), np.uint64(last)):
+        count[(keys[p] >> shift) & mask] += np.uint32(1)
+
+
+@njit(cache=True, error_model="numpy", parallel=True)
+def _count_digits_in_threads(share, keys, shift, counts):  # type: ignore[no-untyped-def]
+    for t in prange(len(share) - 1):
+        _count_digits(t, share[t], share[t + 1], keys, shift, counts)
+
+
+@njit(cache=True, error_model="numpy")
+def _cumulate(counts):  # type: ignore[no-untyped-def]
+    """Where the keys of each digit go, those of each thread behind those of the thread before; in place of how many there are."""
     begin = np.uint32(0)
-    for d in range(len(counts)):
-        counts[d], begin = begin, begin + counts[d]
-    mask = len(counts) - 1
-    for p in range(len(members)):
+    for d in range(counts.shape[1]):
+        for t in range(counts.shape[0]):
+            counts[t, d], begin = begin, begin + counts[t, d]
+
+
+@njit(cache=True, error_model="numpy")
+def _sort_by_digit(t, first, last, keys, members, counts, shift, to_keys, to_members):  # type: ignore[no-untyped-def]
+    """One pass of a radix sort, over the keys first..last; counts: see _cumulate, overwritten."""
+    place, mask = counts[t], counts.shape[1] - 1
+    for p in range(np.uint64(first), np.uint64(last)):
         digit = (keys[p] >> shift) & mask
-        to = counts[digit]
-        counts[digit] = to + np.uint32(1)
+        to = place[digit]
+        place[digit] = to + np.uint32(1)
         to_keys[to], to_members[to] = keys[p], members[p]
 
 
+@njit(cache=True, error_model="numpy", parallel=True)
+def _sort_by_digit_in_threads(share, keys, members, counts, shift, to_keys, to_members):  # type: ignore[no-untyped-def]
+    for t in prange(len(share) - 1):
+        _sort_by_digit(t, share[t], share[t + 1], keys, members, counts, shift, to_keys, to_members)
+
+
 @njit(cache=True, error_model="numpy")
-def _gather(x, images, owner, radii, members, to_x, to_y, to_z, to_radius):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
-    """Writes what belongs to the members in their order."""
+def _gather(t, first, last, x, images, owner, radii, members, to_x, to_y, to_z, to_radius):  # type: ignore[no-untyped-def]
+    """Writes what belongs to the members first..last in their order."""
     n = len(x)
-    for k in range(len(members)):
+    for k in range(np.uint64(first), np.uint64(last)):
         p = members[k]
         to_x[k], to_y[k], to_z[k] = (x[p, 0], x[p, 1], x[p, 2]) if p < n else (images[p - n, 0], images[p - n, 1], images[p - n, 2])
         if to_radius is not None:
             to_radius[k] = radii[p if p < n else owner[p - n]]
-    for k in range(len(members), len(to_x)):
-        to_x[k] = to_y[k] = to_z[k] = np.inf
-        if to_radius is not None:
-            to_radius[k] = 0.0
+
+
+@njit(cache=True, error_model="numpy", parallel=True)
+def _gather_in_threads(share, x, images, owner, radii, members, to_x, to_y, to_z, to_radius):  # type: ignore[no-untyped-def]
+    for t in prange(len(share) - 1):
+        _gather(t, share[t], share[t + 1], x, images, owner, radii, members, to_x, to_y, to_z, to_radius)
 
 
 @njit(cache=True, error_model="numpy")
-def _near_low_faces(x, radius, margin, lo, near):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+def _near_low_faces(x, radius, margin, lo, near):  # type: ignore[no-untyped-def]
     """Writes who of the first particles, as many as `near` is long, stands within its reach of a lower face; returns how many."""
     found = np.uint64(0)
     for i in range(len(near)):
@@ -245,7 +280,7 @@ def _near_low_faces(x, radius, margin, lo, near):  # type: ignore[no-untyped-def
 
 
 @njit(cache=True, error_model="numpy")
-def _images(x, radius, margin, lo, hi, near, place, owner, code):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+def _images(x, radius, margin, lo, hi, near, place, owner, code):  # type: ignore[no-untyped-def]
     """Writes the images, as many as there is room for; returns how many there are. lo, hi: infinite where nothing is periodic."""
     found = 0
     for i in near:

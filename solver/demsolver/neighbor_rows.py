@@ -13,8 +13,9 @@ from numba import njit, prange
 from numpy.typing import NDArray
 
 from demsolver.neighbor_grid import Codes, Images, Numbers
-from demsolver.neighbor_search import Meetings, shares
+from demsolver.neighbor_search import Meetings
 from demsolver.state import Floats, Ints, Pairs
+from demsolver.threads import do, shares
 
 # ruff: noqa: ANN001, ANN202
 
@@ -38,10 +39,8 @@ class Runs(NamedTuple):
     faces: Ints
 
 
-def rows_of(
-    n: int, images: Images, meetings: list[Meetings], unseen: Unseen, *, periodic: bool, threads: int = 1
-) -> tuple[Ints, Numbers, Numbers, Codes]:
-    """first, row, partner, code of state.Pairs. unseen: see neighbors.exclusions. meetings: emptied."""
+def rows_of(n: int, columns: int, images: Images, meetings: list[Meetings], unseen: Unseen, *, periodic: bool, threads: int = 1) -> Pairs:
+    """The list, `columns` zeros to remember for every entry. unseen: see neighbors.exclusions. meetings: emptied."""
     counts = np.zeros((threads, n), dtype=np.uint32)
     runs = _collected(n, images.owner, meetings, unseen, counts)
     meetings.clear()  # they take as much room as the list
@@ -53,20 +52,12 @@ def rows_of(
     share = np.searchsorted(first, shares(m, threads))
     share[0], share[-1] = 0, n
     keys = np.empty(m, dtype=np.uint64)
-    _do(_scatter, _scatter_in_threads, share, runs, crossing, crossing_code, place, keys)
+    do(_scatter, _scatter_in_threads, share, runs, crossing, crossing_code, place, keys)
     del runs, crossing
-    row, partner = np.empty(m, dtype=np.uint32), np.empty(m, dtype=np.uint32)
-    code = np.empty(m if periodic else 0, dtype=np.uint8)
-    _do(_sort_rows, _sort_rows_in_threads, share, first, keys, row, partner, code)
-    return first, row, partner, code
-
-
-def _do(one: Any, in_threads: Any, share: Ints, *rest: Any) -> None:
-    """One thread does what share[0]:share[1] names, several do a part each: one(t, share[t], share[t + 1], ...)."""
-    if len(share) == 2:
-        one(0, share[0], share[1], *rest)
-    else:
-        in_threads(share, *rest)
+    code, touching = np.empty(m if periodic else 0, dtype=np.uint8), np.empty(m, dtype=np.uint8)
+    pairs = Pairs(first, np.empty(m, dtype=np.uint32), np.empty(m, dtype=np.uint32), code, touching, np.empty((m, columns)))
+    do(_sort_rows, _sort_rows_in_threads, share, keys, pairs)
+    return pairs
 
 
 def _collected(n: int, owner: Numbers, meetings: list[Meetings], unseen: Unseen, counts: NDArray[np.uint32]) -> Runs:
@@ -81,7 +72,7 @@ def _collected(n: int, owner: Numbers, meetings: list[Meetings], unseen: Unseen,
     runs = Runs(np.empty(begin[-1], dtype=np.uint64), begin, begin[:-1].copy(), begin[1:].copy())
     for k, (found, part) in enumerate(parts):
         points = n, owner, found.asking, found.asked
-        _do(_collect, _collect_in_threads, shares(threads, threads), k * threads, *points, part, *unseen, runs, counts)
+        do(_collect, _collect_in_threads, shares(threads, threads), k * threads, *points, part, *unseen, runs, counts)
     return runs
 
 
@@ -192,8 +183,10 @@ def _scatter_in_threads(share, runs, crossing, code, place, keys):  # type: igno
 
 
 @njit(cache=True, error_model="numpy")
-def _sort_rows(t, low, high, first, keys, row, partner, code):  # type: ignore[no-untyped-def]
+def _sort_rows(t, low, high, keys, pairs):  # type: ignore[no-untyped-def]
     """Sorts the entries of rows low..high by partner, those of one pair by code, and writes them."""
+    first, row, partner, code, touching, memory = pairs
+    touching[first[low] : first[high]], memory[first[low] : first[high]] = 0, 0.0
     bits, mask, coded = np.uint64(CODE_BITS), np.uint64((1 << CODE_BITS) - 1), len(code) > 0
     for i in range(low, high):
         begin, end = np.uint64(first[i]), np.uint64(first[i + 1])
@@ -212,9 +205,9 @@ def _sort_rows(t, low, high, first, keys, row, partner, code):  # type: ignore[n
 
 
 @njit(cache=True, error_model="numpy", parallel=True)
-def _sort_rows_in_threads(share, first, keys, row, partner, code):  # type: ignore[no-untyped-def]
+def _sort_rows_in_threads(share, keys, pairs):  # type: ignore[no-untyped-def]
     for t in prange(len(share) - 1):
-        _sort_rows(t, share[t], share[t + 1], first, keys, row, partner, code)
+        _sort_rows(t, share[t], share[t + 1], keys, pairs)
 
 
 class Remembered(NamedTuple):
@@ -230,12 +223,12 @@ class Remembered(NamedTuple):
 def remembered(pairs: Pairs, threads: int = 1) -> Remembered:
     """What of a list goes over to the next."""
     share, ends = shares(len(pairs.touching), threads), np.zeros(threads + 1, dtype=np.int64)
-    _do(_count_touching, _count_touching_in_threads, share, pairs.touching, ends)
+    do(_count_touching, _count_touching_in_threads, share, pairs.touching, ends)
     np.cumsum(ends, out=ends)
     r = int(ends[-1])
     code, columns = np.empty(r if len(pairs.code) else 0, dtype=np.uint8), pairs.memory.shape[1]
     kept = Remembered(np.empty(r, dtype=np.uint32), np.empty(r, dtype=np.uint32), code, np.empty(r, dtype=np.uint8), np.empty((r, columns)))
-    _do(_remember_touching, _remember_touching_in_threads, share, ends, pairs, kept)
+    do(_remember_touching, _remember_touching_in_threads, share, ends, pairs, kept)
     return kept
 
 
@@ -276,7 +269,7 @@ def _remember_touching_in_threads(share, ends, pairs, kept):  # type: ignore[no-
 
 def hand_over(threads: int, old: Remembered, *rest: Any) -> None:
     """Hands what is remembered of an old list to a new one: see neighbors.carry."""
-    _do(_hand_over, _hand_over_in_threads, shares(len(old.row), threads), old, *rest)
+    do(_hand_over, _hand_over_in_threads, shares(len(old.row), threads), old, *rest)
 
 
 @njit(cache=True, error_model="numpy", parallel=True)

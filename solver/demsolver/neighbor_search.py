@@ -16,6 +16,7 @@ from numba.extending import intrinsic
 
 from demsolver.neighbor_grid import LANES, Cells, Codes, Level, Numbers, Sorted
 from demsolver.state import Ints
+from demsolver.threads import do, shares
 
 # ruff: noqa: ANN001, ANN202
 
@@ -64,27 +65,16 @@ def _meetings(asking: Sorted, asked: Sorted, cells: Cells, skin: float, ahead: i
     start, stop = share[:-1].copy(), share[1:]
     front = np.searchsorted(asked.keys[:-1], asking.keys[start][:, None] - ahead + offsets).astype(np.uint64)
     room = 4 * (points // threads) + 64
-    sweep: Any = _sweep_in_threads if threads > 1 else _sweep_in_turn
     while (start < stop).any():
         groups = int((stop - start).max())
-        tables = (_numbers(threads, groups), _numbers(threads, groups), _numbers(threads, room), np.empty((threads, room), dtype=np.uint8))
-        found, before = np.zeros(threads, dtype=np.int64), start.copy()
-        sweep(asking, asked, asking.radius, asking is asked, cells.largest, skin, cells.fine, ahead, offsets, front, start, stop, found, *tables)
-        parts.append(Part(found, *tables))
+        tables = _numbers(threads, groups), _numbers(threads, groups), _numbers(threads, room), np.empty((threads, room), dtype=np.uint8)
+        part, before = Part(np.zeros(threads, dtype=np.int64), *tables), start.copy()
+        reach = cells.largest, skin, cells.fine, ahead, offsets
+        do(_sweep, _sweep_in_threads, shares(threads, threads), asking, asked, asking.radius, asking is asked, *reach, front, start, stop, part)
+        parts.append(part)
         if ((start == before) & (start < stop)).any():
             room *= 2
     return Meetings(asking.point, asked.point, parts)
-
-
-def shares(m: int, threads: int) -> Ints:
-    """(t + 1,) thread t does share[t] to share[t + 1] of m things."""
-    return np.arange(threads + 1) * m // threads
-
-
-def _sweep_in_turn(asking, asked, radius, itself, largest, skin, fine, ahead, offsets, front, start, stop, found, begin, ends, hits, lanes):  # type: ignore[no-untyped-def]
-    """One thread."""
-    part = begin[0], ends[0], hits[0], lanes[0]
-    found[0], start[0] = _sweep(asking, asked, radius, itself, largest, skin, fine, ahead, offsets, front[0], start[0], stop[0], *part)
 
 
 def _numbers(*shape: int) -> Numbers:
@@ -140,13 +130,14 @@ def _first(values, n, rest):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, error_model="numpy")
-def _sweep(asking, asked, radius, itself, largest, skin, fine, ahead, offsets, front, start, stop, begin, ends, hits, lanes):  # type: ignore[no-untyped-def]
-    """Runs of cells round the asking points start..stop. offsets: of the keys of the runs; front: where they begin. No branch on the answer: it
-    cannot be foretold. Returns how many groups there was room for, and the point behind the last."""
+def _sweep(t, _low, _high, asking, asked, radius, itself, largest, skin, fine, ahead, offsets, fronts, start, stop, part):  # type: ignore[no-untyped-def]
+    """Runs of cells round the asking points of thread t, start[t]..stop[t], as many as there is room for: start[t] becomes the point behind them.
+    offsets: of the keys of the runs; fronts: (t, r) where they begin. No branch on the answer: it cannot be foretold."""
+    front, begin, ends, hits, lanes = fronts[t], part.begin[t], part.ends[t], part.hits[t], part.lanes[t]
     keys, x, y, z = asked.keys, asked.x, asked.y, asked.z
     zero, one = np.uint64(0), np.uint64(1)
-    points, room = np.uint64(stop), np.uint64(len(hits))
-    i, group, m = np.uint64(start), zero, zero
+    points, room = np.uint64(stop[t]), np.uint64(len(hits))
+    i, group, m = np.uint64(start[t]), zero, zero
     rq = largest
     radii = rq, rq, rq, rq
     while i < points:
@@ -186,15 +177,10 @@ def _sweep(asking, asked, radius, itself, largest, skin, fine, ahead, offsets, f
         m = found
         group += one
         i += n
-    return np.int64(group), np.int64(i)
+    part.groups[t], start[t] = group, i
 
 
 @njit(cache=True, error_model="numpy", parallel=True)
-def _sweep_in_threads(  # type: ignore[no-untyped-def]
-    asking, asked, radius, itself, largest, skin, fine, ahead, offsets, front, start, stop, found, begin, ends, hits, lanes
-):
-    """Each thread its share."""
-    for t in prange(len(start)):
-        found[t], start[t] = _sweep(
-            asking, asked, radius, itself, largest, skin, fine, ahead, offsets, front[t], start[t], stop[t], begin[t], ends[t], hits[t], lanes[t]
-        )
+def _sweep_in_threads(share, asking, asked, radius, itself, largest, skin, fine, ahead, offsets, fronts, start, stop, part):  # type: ignore[no-untyped-def]
+    for t in prange(len(share) - 1):
+        _sweep(t, share[t], share[t + 1], asking, asked, radius, itself, largest, skin, fine, ahead, offsets, fronts, start, stop, part)

@@ -67,10 +67,9 @@ def build(scene: Scene, bodies: Bodies, lo: Floats, hi: Floats, columns: int, un
     skin = scene.neighbor.skin + (longest_reach(scene.pair, 0.5 * largest) if scene.pair else 0.0)
     _check_box(lo, hi, periodic, 2.0 * largest + skin)
     images = cells.images_of(bodies.x, bodies.radius, skin, lo, hi, periodic)
-    levels = cells.levels_of(bodies.x, images, bodies.radius, skin)
+    levels = cells.levels_of(bodies.x, images, bodies.radius, skin, threads)
     meetings = [found for level in levels for found in neighbor_search.meetings_of(level, skin, threads)]
-    first, row, partner, code = neighbor_rows.rows_of(n, images, meetings, unseen, periodic=any(periodic), threads=threads)
-    return Pairs(first, row, partner, code, np.zeros(len(partner), dtype=np.uint8), np.zeros((len(partner), columns)))
+    return neighbor_rows.rows_of(n, columns, images, meetings, unseen, periodic=any(periodic), threads=threads)
 
 
 def _check_box(lo: Floats, hi: Floats, periodic: tuple[bool, bool, bool], reach: float) -> None:
@@ -117,7 +116,25 @@ def frozen_remember(old: Remembered, b: Bodies) -> bool:
     """Whether contacts of two frozen particles remember something, which counts again when they are set free, or move and so begin to."""
     if not b.frozen.any():
         return False
-    return bool((b.frozen[old.row] & b.frozen[old.partner]).any() or b.v[b.frozen].any() or b.omega[b.frozen[: len(b.omega)]].any())
+    return bool(_frozen_meet(old.row, old.partner, b.frozen) or _frozen_move(b.frozen, b.v) or _frozen_move(b.frozen, b.omega))
+
+
+@njit(cache=True, error_model="numpy")
+def _frozen_meet(row, partner, frozen):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+    """Whether both of any pair are frozen."""
+    found = False
+    for k in range(len(row)):
+        found |= frozen[row[k]] & frozen[partner[k]]
+    return found
+
+
+@njit(cache=True, error_model="numpy")
+def _frozen_move(frozen, v):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+    """Whether any of the first particles, as many as there are velocities, is frozen and moves."""
+    found = False
+    for i in range(len(v)):
+        found |= frozen[i] & ((v[i, 0] != 0.0) | (v[i, 1] != 0.0) | (v[i, 2] != 0.0))
+    return found
 
 
 def morton_order(x: Floats, lo: Floats, size: float) -> Ints:

@@ -21,6 +21,7 @@ from demsolver.scene import Box, Gravity, Particles, Plane, Scene
 from demsolver.sleep import Sleep, Sleepers, check_sleep
 from demsolver.specialise import BUDGET_COLUMNS, CHUNK, features, specialise
 from demsolver.state import Bodies, Floats, Ints, Pairs, bodies_of, flat_of, inertia_of, selected
+from demsolver.threads import use_threads
 from demsolver.trouble import LostParticles, Unstable, check_finite, check_flight, refused
 
 SORT_FROM = CHUNK
@@ -234,7 +235,7 @@ class Simulation:
         return shifts
 
     def _run(self, start: int, steps: int) -> tuple[int, bool]:
-        _use_threads(self._threads)
+        use_threads(self._threads)
         done, self._age, due = self._kernel.run_steps(
             start, steps, self._age, self._rhythm(), self._bodies, flat_of(self._bodies), self._movers, self._pairs, self._near, self._shifts(),
             self._equal, self._coefficients, self.scene.ntypes, self._flat_walls(), self._fields, self.scene.timestep, self._tallies, self._paces,
@@ -246,7 +247,6 @@ class Simulation:
 
     def _relist(self) -> None:
         """What the engines do when the list is due: wrap, shrink the box, drop the lost, list the pairs, carry their memory."""
-        _use_threads(self._threads)
         check_finite(self._bodies, self.step, self.scene, "x")
         b = self._bodies
         low, high = bounds_of(b.x)
@@ -385,13 +385,3 @@ def _outside(array: np.ndarray, order: Ints) -> np.ndarray:
 def _movers_first(b: Bodies, rows: Ints) -> Ints:
     """`rows` with those of particles that move before the others."""
     return np.concatenate([rows[b.moving[rows]], rows[~b.moving[rows]]])
-
-
-def _use_threads(threads: int) -> None:
-    """For the loops that follow."""
-    if threads == 1:
-        return
-    import numba
-
-    numba.config.THREADING_LAYER_PRIORITY = ["omp", "tbb", "workqueue"]  # type: ignore[attr-defined]  # as soon as possible: OpenMP's threads wait awake
-    numba.set_num_threads(min(threads, numba.config.NUMBA_NUM_THREADS))  # type: ignore[attr-defined]

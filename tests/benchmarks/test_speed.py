@@ -18,6 +18,7 @@ from benchmarks import speed
 from benchmarks.speed_run import STANDARD, Contender, Judge, Sample, compared, contenders_of, high_water_mb, judge_of, trouble
 from benchmarks.speed_scenes import SCENES, Scene
 from benchmarks.speed_states import State, data_file, scattered
+from benchmarks.speed_turns import ONE, TWO, Turns, joined, turns_of
 from demverify.frames import Thermo
 from tests.support.engines import require_lammps, require_liggghts
 
@@ -154,6 +155,31 @@ def test_a_ratio_is_the_median_of_rounds() -> None:
     rows["LAMMPS"].trouble = "differs"
     assert result.ratio("native", "LAMMPS") is None
     assert result.ratio("native", "LIGGGHTS") is None
+
+
+def test_threads_are_timed_by_turns(states: Path, tmp_path: Path) -> None:
+    """Law: one and two threads run the same deck by turns and end at the same bits; turns of several rounds make one median, and one round of
+    other bits makes all of them others."""
+    scene = short("chute", states)
+    one = STANDARD[0].job(scene.write(tmp_path), tmp_path, scene)
+    found = turns_of(one.deck, one.variables)
+    assert found.same
+    assert len(found.ratios) >= 4
+    assert min(found.ratios) > 0.0
+    both = joined([Turns((1.0, 2.0), 100, same=True), Turns((3.0, 4.0), 100, same=False)])
+    assert (both.middle, both.half, both.same) == (2.5, (1.25, 3.75), False)
+
+
+@pytest.mark.parametrize("same", [True, False])
+def test_turns_that_part_have_no_figure(same: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Law: two threads that end at other bits than one have neither a rate nor a ratio."""
+    nothing = Thermo((), np.empty((0, 0)))
+    rows = {one.label: speed.Row(one, [Sample(1.0, 1.0, 1.0, 1.0, 0.0, nothing)]) for one in STANDARD if one.label in (ONE, TWO)}
+    result = speed.Result(SCENES["sphere"](Path(), small=True), rows)
+    monkeypatch.setattr(speed, "turns_of", lambda *_: Turns((1.5, 1.7), 100, same=same))
+    speed._turns(rows[TWO], result, dict.fromkeys(("lammps",), Path()), Path(), 0.0)
+    assert (result.ratio(TWO, ONE) is None) == (not same)
+    assert any("by turns in one process: 1.60, half of 2 turns" in line for line in speed.summed_up(result)) == same
 
 
 def test_a_missing_engine_is_skipped_by_name(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
