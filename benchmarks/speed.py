@@ -4,7 +4,7 @@ Scenes: chute bed gas column sphere (benchmarks/speed_scenes.py says what they a
 the native solver with 1 and 2 threads, LAMMPS on 1 core, with 2 ranks and with its OpenMP styles, and through LIGGGHTS, which has rules of its
 own, so native runs that deck too. What is timed: whole runs of 1 to 4 s, neighbour lists and thermo output included, as the
 engines' own loop times tell; the start of the processes stands apart. The runs take turns, round by round; a rate is the median of its rounds, a
-ratio the median of the rounds' ratios. What a second thread brings is measured apart as well, by shorter turns in one process
+ratio the median of the rounds' ratios. What a second thread brings is measured apart as well, by shorter turns
 (speed_turns.py). Peak memory is that of the process (of its ranks together); a Python process with
 Numba holds 150 MB before it has a particle.
 
@@ -214,9 +214,7 @@ def summed_up(result: Result) -> Iterator[str]:
     shown = [(a, b, result.ratio(a, b)) for a, b in RATIOS]
     yield "; ".join(f"{a} / {b}: {ratio:.2f}" for a, b, ratio in shown if ratio is not None) or "no ratios"
     if result.turns and not result.rows[TWO].trouble:
-        all_turns = joined(result.turns)
-        low, high = all_turns.half
-        yield f"{TWO} / {ONE} by turns in one process: {all_turns.middle:.2f}, half of {len(all_turns.ratios)} turns between {low:.2f} and {high:.2f}"
+        yield str(joined(result.turns))
     for label, row in result.rows.items():
         if row.apart:
             yield f"{label}: {summary(row.checks)} {row.apart[0].upper()}{row.apart[1:]}."
@@ -265,7 +263,7 @@ def _scene_json(result: Result) -> dict[str, Any]:
     return {
         "title": result.scene.title, "n": result.scene.n, "steps": result.scene.steps, "listed": listed, "touching": touching,
         "ratios": {f"{a} / {b}": ratio for a, b in RATIOS if (ratio := result.ratio(a, b)) is not None},
-        "turns": [{"steps": turns.steps, "ratios": turns.ratios} for turns in result.turns],
+        "turns": [{"steps": turns.steps, "ratios": turns.ratios, "apart": turns.apart} for turns in result.turns],
         "contenders": {label: _row_json(row, result) for label, row in result.rows.items()},
     }  # fmt: skip
 

@@ -1,8 +1,8 @@
-"""One thread and two by turns in one process: the ratio `speed.py` prints for threads.
+"""One thread, two threads, and two processes of one thread each, by turns: what a second thread brings, beside what a second core can bring.
 
 Whole runs of two contenders are tens of seconds apart; on a machine that others use as well, what one run takes changes meanwhile by more than
-the ratio is to tell. Here two simulations of one deck advance by turns, a tenth of a second each, neighbour lists included, and the ratio is the
-median of the turns'.
+the ratio is to tell. Here simulations of one deck advance by turns, a tenth of a second each, neighbour lists included, and a ratio is the median
+of the turns'. Two processes that share nothing do at best twice the work of one; where the cores share caches, memory or a host, less.
 
 Called as a program, it measures what JSON on its command line names, and prints what it found in JSON.
 """
@@ -13,7 +13,7 @@ import json
 import subprocess
 import sys
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from statistics import median, quantiles
@@ -28,33 +28,36 @@ ONE, TWO = "native", "native, 2 threads"
 TURNS = 16
 TURN_S = 0.1
 LEAST = 100  # steps of a turn, so that each has its share of neighbour lists
-TIMEOUT_S = 600.0
 MOST_STEPS = 10  # times the steps of the scene
+TIMEOUT_S = 600.0
 
 
 @dataclass(frozen=True)
 class Turns:
-    """Rates of two threads over those of one, turn by turn. steps: of a turn. same: whether both ended at the same bits."""
+    """Turn by turn, over the rate of one thread: ratios, of two threads; apart, of two processes together. steps: of a turn. same: whether one and
+    two threads ended at the same bits."""
 
     ratios: tuple[float, ...]
+    apart: tuple[float, ...]
     steps: int
     same: bool
 
     @property
-    def middle(self) -> float:
-        """The median."""
-        return median(self.ratios)
-
-    @property
     def half(self) -> tuple[float, float]:
-        """Between which half of the turns are."""
+        """Between which the half of the turns of two threads are."""
         low, _, high = quantiles(self.ratios, n=4)
         return low, high
+
+    def __str__(self) -> str:
+        low, high = self.half
+        spread = f"half of {len(self.ratios)} turns between {low:.2f} and {high:.2f}"
+        return f"{TWO} / {ONE} by turns in one process: {median(self.ratios):.2f}, {spread}; two processes of one thread together do {median(self.apart):.2f} times the work of one"
 
 
 def joined(rounds: Sequence[Turns]) -> Turns:
     """All turns of several rounds."""
-    return Turns(tuple(ratio for turns in rounds for ratio in turns.ratios), rounds[0].steps, all(turns.same for turns in rounds))
+    ratios, apart = (tuple(one for turns in rounds for one in getattr(turns, name)) for name in ("ratios", "apart"))
+    return Turns(ratios, apart, rounds[0].steps, all(turns.same for turns in rounds))
 
 
 def turns_of(deck: Path, variables: Mapping[str, Sequence[str]], patience: float = 0.0) -> Turns:
@@ -68,34 +71,78 @@ def turns_of(deck: Path, variables: Mapping[str, Sequence[str]], patience: float
     if done.returncode:
         raise EngineFailed(f"turns of one and two threads: {(done.stderr.strip().splitlines() or ['killed'])[-1]}")
     found = json.loads(done.stdout.splitlines()[-1])
-    return Turns(tuple(found["ratios"]), found["steps"], found["same"])
+    return Turns(tuple(found["ratios"]), tuple(found["apart"]), found["steps"], found["same"])
 
 
 def measured(deck: Path, variables: Mapping[str, Sequence[str]]) -> Turns:
-    """Measures in this process: no more than MOST_STEPS times as far as the deck runs."""
-    from demsolver import Simulation
+    """Measures in this process and one beside it: no more than MOST_STEPS times as far as the deck runs."""
+    scene, whole = _scene(deck, variables)
+    one, two = (_ready(scene, threads) for threads in (1, 2))
+    steps = max(LEAST, int(LEAST * TURN_S / _seconds(lambda: [simulation.advance(LEAST) for simulation in (one, two)])))
+    turns = max(4, min(TURNS, MOST_STEPS * whole // steps))
+    ratios, apart = [], []
+    words = json.dumps({"deck": f"{deck}", "variables": variables, "steps": steps})
+    with subprocess.Popen([sys.executable, __file__, words], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as other:
+        assert other.stdin
+        assert other.stdout
+        other.stdout.readline()
+        third = _ready(scene, 1)
+
+        def both() -> None:
+            assert other.stdin
+            assert other.stdout
+            other.stdin.write("go\n")
+            other.stdin.flush()
+            third.advance(steps)
+            other.stdout.readline()
+
+        for _ in range(turns):
+            alone = _seconds(lambda: one.advance(steps))
+            ratios.append(alone / _seconds(lambda: two.advance(steps)))
+            apart.append(2.0 * alone / _seconds(both))
+        other.stdin.close()
+    a, b = one.bodies, two.bodies
+    return Turns(tuple(ratios), tuple(apart), steps, all(np.array_equal(getattr(a, name), getattr(b, name)) for name in ("x", "v", "omega", "force")))
+
+
+def beside(deck: Path, variables: Mapping[str, Sequence[str]], steps: int) -> None:
+    """The process beside: for every line on stdin it advances as far, and says so."""
+    simulation = _ready(_scene(deck, variables)[0], 1)
+    print("ready", flush=True)
+    for _ in sys.stdin:
+        simulation.advance(steps)
+        print("done", flush=True)
+
+
+def _scene(deck: Path, variables: Mapping[str, Sequence[str]]) -> tuple[Any, int]:
+    """The scene of a deck's first run, and its steps."""
     from demverify.runs import plan
 
     run = plan(deck, variables).runs[0]
-    one, two = (Simulation(run.scene, threads=threads) for threads in (1, 2))
-    steps = LEAST
-    for simulation in (one, two):  # compiles, and warms up
-        simulation.setup()
-        steps = max(LEAST, int(LEAST * TURN_S / _seconds(simulation, LEAST)))
-    turns = max(4, min(TURNS, MOST_STEPS * run.steps // steps))
-    ratios = [_seconds(one, steps) / _seconds(two, steps) for _ in range(turns)]
-    a, b = one.bodies, two.bodies
-    return Turns(tuple(ratios), steps, all(np.array_equal(getattr(a, name), getattr(b, name)) for name in ("x", "v", "omega", "force")))
+    return run.scene, run.steps
 
 
-def _seconds(simulation: Any, steps: int) -> float:
-    """How long so many steps take."""
+def _ready(scene: Any, threads: int) -> Any:
+    """A simulation that has compiled and warmed up."""
+    from demsolver import Simulation
+
+    simulation = Simulation(scene, threads=threads)
+    simulation.setup()
+    simulation.advance(LEAST)
+    return simulation
+
+
+def _seconds(work: Callable[[], object]) -> float:
+    """How long something takes."""
     began = time.perf_counter()
-    simulation.advance(steps)
+    work()
     return time.perf_counter() - began
 
 
 if __name__ == "__main__":
     asked = json.loads(sys.argv[1])
-    found = measured(Path(asked["deck"]), asked["variables"])
-    print(json.dumps({"ratios": found.ratios, "steps": found.steps, "same": found.same}))
+    if "steps" in asked:
+        beside(Path(asked["deck"]), asked["variables"], asked["steps"])
+    else:
+        found = measured(Path(asked["deck"]), asked["variables"])
+        print(json.dumps({"ratios": found.ratios, "apart": found.apart, "steps": found.steps, "same": found.same}))

@@ -164,10 +164,11 @@ def test_threads_are_timed_by_turns(states: Path, tmp_path: Path) -> None:
     one = STANDARD[0].job(scene.write(tmp_path), tmp_path, scene)
     found = turns_of(one.deck, one.variables)
     assert found.same
-    assert len(found.ratios) >= 4
-    assert min(found.ratios) > 0.0
-    both = joined([Turns((1.0, 2.0), 100, same=True), Turns((3.0, 4.0), 100, same=False)])
-    assert (both.middle, both.half, both.same) == (2.5, (1.25, 3.75), False)
+    assert len(found.ratios) == len(found.apart) >= 4
+    assert min(*found.ratios, *found.apart) > 0.0
+    both = joined([Turns((1.0, 2.0), (1.0, 1.0), 100, same=True), Turns((3.0, 4.0), (2.0, 2.0), 100, same=False)])
+    assert str(both).endswith("2.50, half of 4 turns between 1.25 and 3.75; two processes of one thread together do 1.50 times the work of one")
+    assert not both.same
 
 
 @pytest.mark.parametrize("same", [True, False])
@@ -176,7 +177,7 @@ def test_turns_that_part_have_no_figure(same: bool, monkeypatch: pytest.MonkeyPa
     nothing = Thermo((), np.empty((0, 0)))
     rows = {one.label: speed.Row(one, [Sample(1.0, 1.0, 1.0, 1.0, 0.0, nothing)]) for one in STANDARD if one.label in (ONE, TWO)}
     result = speed.Result(SCENES["sphere"](Path(), small=True), rows)
-    monkeypatch.setattr(speed, "turns_of", lambda *_: Turns((1.5, 1.7), 100, same=same))
+    monkeypatch.setattr(speed, "turns_of", lambda *_: Turns((1.5, 1.7), (1.9, 1.9), 100, same=same))
     speed._turns(rows[TWO], result, dict.fromkeys(("lammps",), Path()), Path(), 0.0)
     assert (result.ratio(TWO, ONE) is None) == (not same)
     assert any("by turns in one process: 1.60, half of 2 turns" in line for line in speed.summed_up(result)) == same
