@@ -51,7 +51,8 @@ class Turns:
     def __str__(self) -> str:
         low, high = self.half
         spread = f"half of {len(self.ratios)} turns between {low:.2f} and {high:.2f}"
-        return f"{TWO} / {ONE} by turns in one process: {median(self.ratios):.2f}, {spread}; two processes of one thread together do {median(self.apart):.2f} times the work of one"
+        threads = f"{TWO} / {ONE} by turns in one process: {median(self.ratios):.2f}, {spread}"
+        return f"{threads}; two processes of one thread together do {median(self.apart):.2f} times the work of one"
 
 
 def joined(rounds: Sequence[Turns]) -> Turns:
