@@ -51,7 +51,7 @@ Timeout = Annotated[float, typer.Option(min=1.0, help="Time limit of one engine,
 
 @app.command()
 def compare(
-    target: Annotated[Path, typer.Argument(help="A case folder (in.lammps, in.liggghts, case.toml) or one deck.")],
+    target: Annotated[Path, typer.Argument(help="A case folder (in.lammps, in.liggghts, case.toml), FOLDER:VARIANT of it, or one deck.")],
     out: Annotated[Path, typer.Option(help="Folder for runs and report.")] = Path("demverify-report"),
     engine: Annotated[list[str] | None, typer.Option(help="Compare only these engines; may be repeated.")] = None,
     accept: Annotated[list[str] | None, typer.Option(help="A known difference (id in the register) to live with; may be repeated.")] = None,
@@ -70,11 +70,11 @@ def compare(
 
     variables = variables_of(var)
     _check(json)
-    settings = verify.Settings(variables, _engines(engine), threads, ranks, timeout, tuple(accept or ()))
-    if not target.exists():
+    settings = verify.Settings(_engines(engine), threads, ranks, timeout, tuple(accept or ()))
+    if not target.exists() and not verify.names_variant(target):
         message = f"there is no deck or case folder {target}"
         raise InputError(message)
-    folder = out / target.resolve().name
+    folder = out / target.resolve().name.replace(":", "-")
     case, rows = verify.find_case(target, folder, variables)
     with _bars() as watch:
         found = verify.compare_case(case, folder, settings, watch, rows)

@@ -11,7 +11,7 @@ from typing import Any, Literal
 import numpy as np
 
 from demverify import laws, register
-from demverify.cases import DECKS, Case, load_case
+from demverify.cases import DECKS, FILE, Case, Law, load_case
 from demverify.chaos import Envelope, nudge
 from demverify.compare import KNOWN, TIER2_STEPS, Check, compare_law, compare_series, explain, not_judged, verdict
 from demverify.deck.convert import convert
@@ -33,7 +33,6 @@ Watch = Callable[[str], Progress | None]
 class Settings:
     """Of a comparison. engines: those asked for, None for all. accept: ids of the register that the user lives with."""
 
-    variables: Mapping[str, list[str]] = field(default_factory=dict)
     engines: tuple[str, ...] | None = None
     threads: int = 1
     ranks: int = 1
@@ -54,13 +53,16 @@ class Comparison:
     report: Report
 
 
-def find_case(target: Path, out: Path, variables: Mapping[str, Sequence[str]]) -> tuple[Case, tuple[tuple[str, str, str], ...]]:
-    """The case that a folder or a deck means; for a single deck the matching one is written to `out`. Second: the mapped settings.
+def find_case(target: Path, out: Path, variables: Mapping[str, list[str]]) -> tuple[Case, tuple[tuple[str, str, str], ...]]:
+    """The case that a folder, FOLDER:VARIANT or a deck means; for a single deck the matching one is written to `out`. Second: the mapped
+    settings.
 
     Raises InputError when there is no such deck or folder.
     """
-    if target.is_dir():
-        return load_case(target), ()
+    if target.is_dir() or names_variant(target):
+        folder, _, variant = f"{target}".rpartition(":")
+        case = load_case(target) if target.is_dir() else load_case(Path(folder), variant)
+        return replace(case, variables={**case.variables, **variables}), ()
     known = plan(target, variables)
     other: Dialect = "liggghts" if known.dialect == "lammps" else "lammps"
     decks: dict[Dialect, Path] = {known.dialect: target}
@@ -71,20 +73,26 @@ def find_case(target: Path, out: Path, variables: Mapping[str, Sequence[str]]) -
         decks[other] = written
     except InputError as error:
         rows = (("the whole deck", NOT_CONVERTED, error.message),)
-    return Case(title=target.name, decks=decks), rows
+    return Case(title=target.name, decks=decks, variables=variables), rows
+
+
+def names_variant(target: Path) -> bool:
+    """Whether this is FOLDER:VARIANT."""
+    folder, colon, _ = f"{target}".rpartition(":")
+    return bool(colon) and Path(folder).is_dir()
 
 
 def compare_case(case: Case, out: Path, settings: Settings, watch: Watch, rows: Sequence[tuple[str, str, str]] = ()) -> Comparison:
     """Runs a case in every engine and judges it. Raises InputError for a wrong deck, before anything has run."""
-    plans = {dialect: plan(deck, settings.variables) for dialect, deck in case.decks.items()}
-    _known_entries(case.accept)
+    plans = {dialect: plan(deck, case.variables) for dialect, deck in case.decks.items()}
+    _known_entries((*case.accept, *(entry for law in case.laws for entry in law.deviates.values())))
     runs: dict[str, Run] = {}
     envelopes: dict[Dialect, Envelope] = {}
     for dialect, known in plans.items():
-        runs |= _run_dialect(known, _label(dialect, plans), case.every, out, settings, watch, envelopes)
+        runs |= _run_dialect(known, _label(dialect, plans), case, out, settings, watch, envelopes)
     checks = [*_pair_checks(plans, runs, envelopes), *_law_checks(case, runs), *_not_converted(plans, rows)]
     if any(check.engines == DIALECTS and check.outcome == "fail" for check in checks):
-        same = _same_scene(plans, runs, envelopes, settings, out, watch)
+        same = _same_scene(case, plans, runs, envelopes, settings, out, watch)
         checks = [*_accepted(checks, same, plans, (*case.accept, *settings.accept)), *same]
     return Comparison(checks, runs, _report(case, plans, runs, checks, envelopes, rows))
 
@@ -111,12 +119,12 @@ def _label(dialect: Dialect, plans: Mapping[Dialect, Plan]) -> str:
 
 
 def _run_dialect(
-    known: Plan, label: str, every: int | None, out: Path, settings: Settings, watch: Watch, envelopes: dict[Dialect, Envelope]
+    known: Plan, label: str, case: Case, out: Path, settings: Settings, watch: Watch, envelopes: dict[Dialect, Envelope]
 ) -> dict[str, Run]:
     """The native engine twice, once nudged, and the engine whose dialect this is."""
     dialect = known.dialect
-    every = every or frame_interval(known.steps, known.particles)
-    job = Job(known.deck, out, dict(settings.variables), every, settings.timeout_s, settings.ranks, settings.threads)
+    every = case.every or frame_interval(known.steps, known.particles)
+    job = Job(known.deck, out, dict(case.variables), every, settings.timeout_s, settings.ranks, settings.threads)
     found: dict[str, Run] = {}
     if settings.engines is None or "native" in settings.engines:
         native = execute("native", label, replace(job, folder=out / label), watch(label), keep=True, budget=True)
@@ -159,6 +167,7 @@ def _entries(known: Plan, engines: Sequence[str]) -> tuple[register.Entry, ...]:
 
 
 def _same_scene(
+    case: Case,
     plans: Mapping[Dialect, Plan], runs: Mapping[str, Run], envelopes: Mapping[Dialect, Envelope], settings: Settings, out: Path, watch: Watch
 ) -> list[Check]:
     """Whether the two decks describe the same scene: the LAMMPS deck under LIGGGHTS' rules against the LIGGGHTS deck, both native.
@@ -169,7 +178,7 @@ def _same_scene(
     if not ours or not theirs or theirs.outcome.status != "ok":
         return []
     every = theirs.frames[1].step - theirs.frames[0].step if len(theirs.frames) > 1 else 1
-    job = Job(plans["lammps"].deck, out / "native-rules", dict(settings.variables), every, settings.timeout_s, 1, settings.threads)
+    job = Job(plans["lammps"].deck, out / "native-rules", dict(case.variables), every, settings.timeout_s, 1, settings.threads)
     other = plans["liggghts"].runs[0].scene
     most = max(TIER2_STEPS, every)
     swapped = execute("native", "native", job, watch("same scene?"), keep=True, rules=partial(under_liggghts_rules, other=other), most=most)
@@ -204,11 +213,29 @@ def _law_checks(case: Case, runs: Mapping[str, Run]) -> list[Check]:
             if run.outcome.status != "ok":
                 checks.append(not_judged(law.name, (label, "closed form"), "skipped", run.outcome.reason))
                 continue
-            place = Place(next(iter(case.decks.values())).parent / "case.toml")
-            for found in laws.measure(law.name, run.frames, law.parameters, place):
-                check = compare_law(found.quantity, label, found.measured, found.expected, law.tolerance, found.step, found.scale)
-                checks.append(check if check.outcome == "pass" else replace(check, reason=f"{law.name}: {law.reason}; {check.reason}"))
+            found = [
+                compare_law(one.quantity, label, one.measured, one.expected, law.tolerance, one.step, one.scale)
+                for one in laws.measure(law.name, run.frames, law.parameters, Place(case.folder / FILE))
+            ]
+            if entry := _deviation(law, run):
+                checks += _deviating(found, law, entry)
+            else:
+                checks += [c if c.outcome == "pass" else replace(c, reason=f"{law.name}: {law.reason}; {c.reason}") for c in found]
     return checks
+
+
+def _deviation(law: Law, run: Run) -> register.Entry | None:
+    """Why this run must miss a law: what its dialect's engine does; of a convention, native does it too."""
+    entry = next((one for one in register.load() if one.id == law.deviates.get(run.dialect)), None)
+    return entry if entry and (run.outcome.engine != "native" or entry.kind != "defect") else None
+
+
+def _deviating(found: Sequence[Check], law: Law, entry: register.Entry) -> list[Check]:
+    """Strict: what misses the law is known and accepted; where nothing does, the register is to be mended."""
+    if any(check.outcome == "fail" for check in found):
+        return [replace(c, outcome="skipped", reason=f"{KNOWN}{entry.id}: {entry.what}") if c.outcome == "fail" else c for c in found]
+    why = f"{law.name} holds, though the case says it does not for {entry.id}: mend the case, or the register"
+    return [replace(check, outcome="fail", reason=why) for check in found]
 
 
 def engine_info(run: Run) -> EngineInfo:

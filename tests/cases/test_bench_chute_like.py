@@ -79,7 +79,7 @@ def compared(deck: Path, tmp_path_factory: pytest.TempPathFactory) -> Comparison
     require_liggghts()
     out, variables = tmp_path_factory.mktemp("out"), {"nsteps": [str(STEPS)]}
     case, rows = verify.find_case(deck, out, variables)
-    settings = verify.Settings(variables=variables, accept=("liggghts-contact-arm",))
+    settings = verify.Settings(accept=("liggghts-contact-arm",))
     return verify.compare_case(case, out, settings, lambda label: None, rows)
 
 
