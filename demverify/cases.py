@@ -114,7 +114,9 @@ def load_case(folder: Path, variant: str = "") -> Case:
     return found[0]
 
 
-def _case(folder: Path, decks: Mapping[Dialect, Path], table: Mapping[str, Any], variant: Mapping[str, Any], names: Sequence[str], file: Path) -> Case:
+def _case(
+    folder: Path, decks: Mapping[Dialect, Path], table: Mapping[str, Any], variant: Mapping[str, Any], names: Sequence[str], file: Path
+) -> Case:
     name, own = folder.resolve().name, variant.get("name", "")
     values = variant.get("variables", {})
     title = table.get("title", name)

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Annotated, Any, NoReturn
 import typer
 
 from demverify.cli_erotate import erotate
+from demverify.cli_library import cases, new_case, verify
 from demverify.cli_reproduce import reproduce
 from demverify.cli_timestep import timestep
 from demverify.errors import InputError, Place
@@ -32,6 +33,9 @@ app = typer.Typer(
 app.command()(erotate)
 app.command()(reproduce)
 app.command()(timestep)
+app.command("cases")(cases)
+app.command("verify")(verify)
+app.command("new-case")(new_case)
 
 Json = Annotated[Path | None, typer.Option("--json", metavar="FILE", help="Also write the result as JSON.")]
 Var = Annotated[
@@ -62,22 +66,22 @@ def compare(
     json: Json = None,
 ) -> None:
     """Run a deck or a case in every engine there is, and say where they agree."""
-    from demverify import verify
     from demverify.compare import exit_status
     from demverify.report.html import write_report
     from demverify.report.json import write_json
     from demverify.report.text import print_comparison
+    from demverify.verify import Settings, compare_case, find_case, known_engines, names_variant
 
     variables = variables_of(var)
     _check(json)
-    settings = verify.Settings(_engines(engine), threads, ranks, timeout, tuple(accept or ()))
-    if not target.exists() and not verify.names_variant(target):
+    settings = Settings(known_engines(engine), threads, ranks, timeout, tuple(accept or ()))
+    if not target.exists() and not names_variant(target):
         message = f"there is no deck or case folder {target}"
         raise InputError(message)
     folder = out / target.resolve().name.replace(":", "-")
-    case, rows = verify.find_case(target, folder, variables)
+    case, rows = find_case(target, folder, variables)
     with _bars() as watch:
-        found = verify.compare_case(case, folder, settings, watch, rows)
+        found = compare_case(case, folder, settings, watch, rows)
     page = folder / "report.html"
     write_report(page, found.report)
     if json:
@@ -105,9 +109,9 @@ def run(
     from demverify.report.json import write_json
     from demverify.report.text import print_run
     from demverify.runs import execute, output_interval
-    from demverify.verify import engine_info
+    from demverify.verify import engine_info, known_engines
 
-    (name,) = _engines([engine]) or ("native",)
+    (name,) = known_engines([engine]) or ("native",)
     variables = variables_of(var)
     _check(json)
     if strict and name != "native":
@@ -192,16 +196,6 @@ def _check(json: Path | None) -> None:
 
     if json:
         check_writable(json)
-
-
-def _engines(names: list[str] | None) -> tuple[str, ...] | None:
-    from demverify.engines import ENGINES
-
-    for name in names or ():
-        if name not in ENGINES:
-            message = f"engine {name!r} is not one of {', '.join(ENGINES)}"
-            raise InputError(message)
-    return tuple(names) if names else None
 
 
 def variables_of(given: Sequence[str] | None) -> dict[str, list[str]]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import Any, Literal
@@ -16,9 +16,11 @@ from demverify.chaos import Envelope, nudge
 from demverify.compare import KNOWN, TIER2_STEPS, Check, compare_law, compare_series, explain, not_judged, verdict
 from demverify.deck.convert import convert
 from demverify.deck.setup import Dialect
+from demverify.engines import ENGINES
 from demverify.engines.base import Job, Progress
 from demverify.errors import InputError, Place
 from demverify.frames import Frame
+from demverify.reference import reference_checks
 from demverify.report.content import DifferenceCurve, EnergySeries, EngineInfo, Report, difference_curves
 from demverify.rules import under_liggghts_rules
 from demverify.runs import Plan, Run, execute, frame_interval, plan
@@ -76,6 +78,15 @@ def find_case(target: Path, out: Path, variables: Mapping[str, list[str]]) -> tu
     return Case(title=target.name, decks=decks, variables=variables), rows
 
 
+def known_engines(names: Sequence[str] | None) -> tuple[str, ...] | None:
+    """Names of engines as Settings wants them. Raises InputError for one there is not."""
+    for name in names or ():
+        if name not in ENGINES:
+            message = f"engine {name!r} is not one of {', '.join(ENGINES)}"
+            raise InputError(message)
+    return tuple(names) if names else None
+
+
 def names_variant(target: Path) -> bool:
     """Whether this is FOLDER:VARIANT."""
     folder, colon, _ = f"{target}".rpartition(":")
@@ -90,7 +101,7 @@ def compare_case(case: Case, out: Path, settings: Settings, watch: Watch, rows: 
     envelopes: dict[Dialect, Envelope] = {}
     for dialect, known in plans.items():
         runs |= _run_dialect(known, _label(dialect, plans), case, out, settings, watch, envelopes)
-    checks = [*_pair_checks(plans, runs, envelopes), *_law_checks(case, runs), *_not_converted(plans, rows)]
+    checks = [*_pair_checks(plans, runs, envelopes), *_law_checks(case, runs), *reference_checks(case, runs, envelopes), *_not_converted(plans, rows)]
     if any(check.engines == DIALECTS and check.outcome == "fail" for check in checks):
         same = _same_scene(case, plans, runs, envelopes, settings, out, watch)
         checks = [*_accepted(checks, same, plans, (*case.accept, *settings.accept)), *same]

@@ -1,0 +1,1 @@
+"""The case that `demverify new-case` copies: decks and case.toml."""
