@@ -2,11 +2,12 @@
 
 Collected are folders with a case.toml, or without one with in.lammps or in.liggghts, and other decks called in.SOMETHING. A test is one case
 in one engine: passed, failed with what is off, or skipped with the reason; an expected deviation passes. Each case runs once, whatever the
-number of its tests, also with pytest-xdist, where its tests stay on one worker. Reports are kept in .pytest_cache/d/demverify.
+number of its tests, also with pytest-xdist, where the tests of a folder stay on one worker. Reports are kept in .pytest_cache/d/demverify.
 """
 
 from __future__ import annotations
 
+import os
 import tempfile
 from collections.abc import Iterator
 from pathlib import Path
@@ -31,9 +32,9 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_configure(config: pytest.Config) -> None:
-    """With pytest-xdist the tests of a case stay together."""
+    """With pytest-xdist the tests of a folder stay together."""
     if config.getoption("--demverify") and getattr(config.option, "dist", "no") == "load":
-        config.option.dist = "loadgroup"
+        config.option.dist = "loadfile"
 
 
 def pytest_collect_file(file_path: Path, parent: pytest.Collector) -> CaseFile | None:
@@ -56,11 +57,7 @@ class CaseFile(pytest.File):
         """A test for each case and engine."""
         for case in self._cases():
             for engine in ENGINES:
-                name = f"{case.name}[{engine}]"
-                item: CaseItem = CaseItem.from_parent(self, name=name, case=case, engine=engine)
-                if self.config.pluginmanager.hasplugin("xdist"):
-                    item.add_marker(pytest.mark.xdist_group(f"{self.path.parent}:{case.name}"))
-                yield item
+                yield CaseItem.from_parent(self, name=f"{case.name}[{engine}]", case=case, engine=engine)
 
     def _cases(self) -> tuple[Case, ...]:
         from demverify.cases import Case, load_cases
@@ -118,7 +115,8 @@ def _out(config: pytest.Config) -> Path:
     """The folder for runs and reports."""
     if _OUT not in config.stash:
         given, cache = config.getoption("--demverify-out"), getattr(config, "cache", None)
-        config.stash[_OUT] = Path(given).absolute() if given else Path(cache.mkdir("demverify") if cache else tempfile.mkdtemp())
+        folder = Path(given).absolute() if given else Path(cache.mkdir("demverify") if cache else tempfile.mkdtemp())
+        config.stash[_OUT] = folder / os.environ.get("PYTEST_XDIST_WORKER", "")  # two workers never write to one place
     return config.stash[_OUT]
 
 
