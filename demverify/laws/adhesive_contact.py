@@ -21,8 +21,8 @@ from demverify.laws import Measured
 
 
 def measure(frames: Sequence[Frame], model: Literal["dmt", "jkr"], young: float, poisson: float, surface_energy: float) -> list[Measured]:
-    """The force where it is farthest from the law, over all frames from contact to parting, relative to the greatest pull of the model; the
-    force of the first frame (made to be that at touch) and the greatest pull. young [pressure], poisson: of both; surface_energy: g."""
+    """The force where it is farthest from the law, over all frames from contact to parting, relative to the greatest pull of the model; and
+    the force of the first frame, which is to be that of touch. young [pressure], poisson: of both; surface_energy: g."""
     impact = Impact.of(frames)
     effective = young / (2.0 * (1.0 - poisson**2))
     greatest = (4.0 if model == "dmt" else 3.0) * pi * surface_energy * impact.radius
@@ -30,11 +30,9 @@ def measure(frames: Sequence[Frame], model: Literal["dmt", "jkr"], young: float,
     law = _dmt if model == "dmt" else _jkr
     expected = np.array([law(float(overlap), effective, impact.radius, surface_energy) for overlap in impact.overlap])
     worst = int(np.abs(impact.force - expected).argmax())
-    pull = int(impact.force.argmin())
     return [
         Measured("force at touch", frames[0].step, float(impact.force[0]), at_touch),
         Measured("force over overlap", frames[worst].step, float(impact.force[worst]), float(expected[worst]), greatest),
-        Measured("greatest pull", frames[pull].step, -float(impact.force[pull]), greatest),
     ]
 
 

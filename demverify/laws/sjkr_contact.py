@@ -18,7 +18,7 @@ from demverify.laws import Measured
 
 
 def measure(frames: Sequence[Frame], young: float, poisson: float, energy_density: float) -> list[Measured]:
-    """The force where it is farthest from the law, over all frames, and the greatest pull among them; relative to the greatest pull.
+    """The force where it is farthest from the law, over all frames, relative to the largest; and the greatest pull among the frames.
     young [pressure], poisson: of both; energy_density: k."""
     impact = Impact.of(frames)
     stiffness = 4.0 / 3.0 * young / (2.0 * (1.0 - poisson**2)) * sqrt(impact.radius)
@@ -27,7 +27,7 @@ def measure(frames: Sequence[Frame], young: float, poisson: float, energy_densit
     pull = float(-expected.min())
     worst, deepest = int(np.abs(impact.force - expected).argmax()), int(impact.force.argmin())
     return [
-        Measured("force over overlap", frames[worst].step, float(impact.force[worst]), float(expected[worst]), pull),
+        Measured("force over overlap", frames[worst].step, float(impact.force[worst]), float(expected[worst]), float(np.abs(expected).max())),
         Measured("greatest pull", frames[deepest].step, -float(impact.force[deepest]), pull),
     ]
 
