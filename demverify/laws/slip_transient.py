@@ -13,8 +13,8 @@ from demverify.laws.oblique_mindlin import state
 
 
 def measure(frames: Sequence[Frame], friction: float, gravity: float, timestep: float) -> list[Measured]:
-    """Speed and spin in the middle of the slip and near its end, and the time at which it ends, of the first particle: plane z = const,
-    speed along x. timestep: of the run."""
+    """Speed and spin in the middle of the slip and near its end, and the time at which the line through both ends, of the first
+    particle: plane z = const, speed along x. timestep: of the run."""
     first = frames[0]
     u0, radius, slowing = float(first.columns["vx"][0]), state(first)[0], friction * gravity
     until = 2.0 * u0 / (7.0 * slowing)
@@ -24,8 +24,7 @@ def measure(frames: Sequence[Frame], friction: float, gravity: float, timestep: 
         t = (frame.step - first.step) * timestep
         found.append(Measured(f"speed at {part} of the slip", frame.step, float(frame.columns["vx"][0]), u0 - slowing * t))
         found.append(Measured(f"spin at {part} of the slip", frame.step, float(frame.columns["omegay"][0]), 2.5 * slowing * t / radius))
-    at = next(k for k, frame in enumerate(frames) if state(frame)[3] <= 0.0)
-    before, after = frames[at - 1], frames[at]
-    share = state(before)[3] / (state(before)[3] - state(after)[3])
-    ends = (before.step - first.step + share * (after.step - before.step)) * timestep
-    return [*found, Measured("end of the slip", after.step, ends, until)]
+    early, late = (min(frames, key=lambda one: abs((one.step - first.step) * timestep - part * until)) for part in (0.5, 0.95))
+    fall = (state(early)[3] - state(late)[3]) / (late.step - early.step)
+    ends = (late.step - first.step + state(late)[3] / fall) * timestep
+    return [*found, Measured("end of the slip", late.step, ends, until)]
