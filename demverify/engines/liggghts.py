@@ -7,6 +7,7 @@ import re
 import shutil
 import subprocess
 import tempfile
+from functools import cache
 from pathlib import Path
 
 from demverify.engines import lammps
@@ -28,7 +29,7 @@ class Liggghts:
         if program is None:
             return Missing("no program `liggghts` on the path", INSTALL)
         try:
-            said = _help(program)
+            said = _help(program, Path(program).stat().st_mtime_ns)
         except (OSError, subprocess.SubprocessError) as error:
             said = str(error)
         version = _VERSION.search(said)
@@ -64,7 +65,8 @@ def _environment(scratch: Path) -> dict[str, str]:
     return {**clean_environment(), "LD_LIBRARY_PATH": ":".join(kept), **alone}
 
 
-def _help(program: str) -> str:
+@cache
+def _help(program: str, changed: int) -> str:  # changed: so that a new program is asked anew
     """What `-h` prints. Its exit status is 1 even when all is well; without `-log none` it leaves a log in the user's folder."""
     with tempfile.TemporaryDirectory() as scratch:
         done = subprocess.run(
