@@ -1,32 +1,46 @@
-"""Free flight: r = r0 + v0 t - g t^2/2, v = v0 - g t (Galilei). Velocity Verlet is exact for a constant force, so only rounding remains."""
+"""Spheres that touch nothing: v = v0 + g t, x = x0 + v0 t + g t^2/2, spins stay (Galilei). Velocity Verlet is exact here.
+
+Directions of g: vector (a, b, c), normalised; chute: tilted by a degrees from -z towards +x; spherical: a = phi, b = theta in degrees,
+(sin theta cos phi, sin theta sin phi, cos theta) (LAMMPS and LIGGGHTS manuals, fix gravity)."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Literal
 
 import numpy as np
 
-from demverify.frames import Frame
+from demverify.frames import Floats, Frame
 from demverify.laws import Measured
+from demverify.mechanics import positions, spins, times, velocities
 
 
-def measure(frames: Sequence[Frame], gravity: float, timestep: float) -> list[Measured]:
-    """Position and velocity of every particle over all frames, gravity along -z: the largest deviation, relative to the largest distance
-    travelled and the largest speed; and the force over the weight."""
-    first, down = frames[0], np.array([0.0, 0.0, -gravity])
-    times = np.array([frame.step - first.step for frame in frames])[:, None, None] * timestep
-    x, v, f = (
-        np.array([frame.vectors(*names) for frame in frames]) for names in (("x", "y", "z"), ("vx", "vy", "vz"), ("fx", "fy", "fz"))
+def measure(
+    frames: Sequence[Frame], dt: float, gravity: float, style: Literal["vector", "chute", "spherical"], a: float, b: float, c: float
+) -> list[Measured]:
+    """All particles: largest misses over all frames, relative to the largest speed, path and spin."""
+    g, first = gravity * _direction(style, a, b, c), frames[0]
+    where, start, turning = positions(first), velocities(first), spins(first)
+    found = np.array(
+        [
+            [
+                np.abs(velocities(frame) - start - g * t).max(),
+                np.abs(positions(frame) - where - start * t - 0.5 * g * t * t).max(),
+                np.abs(spins(frame) - turning).max(),
+            ]
+            for frame, t in zip(frames, times(frames, dt), strict=True)
+        ]
     )
-    path, speed = v[0] * times + 0.5 * down * times**2, v[0] + down * times
-    weight = first.columns["mass"][:, None] * down
-    return [
-        _worst("position", frames, x - x[0], path),
-        _worst("velocity", frames, v, speed),
-        _worst("force", frames, f, np.broadcast_to(weight, f.shape)),
-    ]
+    at = found.argmax(axis=0)
+    speed = max(float(np.abs(velocities(frame)).max()) for frame in frames)
+    path = max(float(np.abs(positions(frame) - where).max()) for frame in frames)
+    scales = (speed, path, max(float(np.abs(turning).max()), 1.0))
+    names = ("velocity", "path", "spin")
+    return [Measured(name, frames[at[k]].step, float(found[at[k], k]), 0.0, scales[k]) for k, name in enumerate(names)]
 
 
-def _worst(name: str, frames: Sequence[Frame], measured: np.ndarray, expected: np.ndarray) -> Measured:
-    at = np.unravel_index(int(np.abs(measured - expected).argmax()), measured.shape)
-    return Measured(name, frames[int(at[0])].step, float(measured[at]), float(expected[at]), float(np.abs(expected).max()))
+def _direction(style: str, a: float, b: float, c: float) -> Floats:
+    if style == "vector":
+        return np.array([a, b, c]) / np.linalg.norm([a, b, c])
+    phi, theta = np.radians([a, b]) if style == "spherical" else (0.0, np.pi - np.radians(a))
+    return np.array([np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta)])

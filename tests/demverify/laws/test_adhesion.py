@@ -9,7 +9,7 @@ import pytest
 
 from demverify.frames import Frame
 from demverify.laws import adhesive_contact, sjkr_contact
-from tests.support.law_frames import errors, frame, ratios
+from tests.support.impact_frames import errors, frame, ratios
 
 YOUNG, NU, ENERGY = 1e8, 0.3, 1.0
 E = YOUNG / (2.0 * (1.0 - NU**2))

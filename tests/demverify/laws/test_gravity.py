@@ -9,7 +9,7 @@ import pytest
 
 from demverify.frames import Frame
 from demverify.laws import bounce_apex, column_at_rest, falling_contact, free_flight, linear_chain
-from tests.support.law_frames import errors, frame
+from tests.support.impact_frames import errors, frame
 
 G = 9.80665
 BALL = 4.0 / 3.0 * np.pi * 0.1**3 * 2600.0

@@ -9,7 +9,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from demverify.laws import hertz_impact, limited_restitution, linear_impact, tsuji_restitution, viscoelastic_impact
-from tests.support.law_frames import Curve, errors, impact, ratios
+from tests.support.impact_frames import Curve, errors, impact, ratios
 
 RADIUS, MASS = (0.005, 0.01), (1e-3, 4e-3)
 REDUCED, R = 0.8e-3, 0.01 / 3.0
