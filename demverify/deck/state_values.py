@@ -14,12 +14,19 @@ from demverify.errors import InputError
 _FUNCTION = re.compile(r"(\w+)\(([^()]*)\)")
 _PARTICLE = re.compile(r"(\w+)\[(\d+)\]")
 _STILL = ("step", "dt", "time", "atoms", "vol", "lx", "ly", "lz", "xlo", "xhi", "ylo", "yhi", "zlo", "zhi")
+_GROUP_VALUES = ("count", "mass", "ke", "xcm", "vcm", "bound")
 _FACES = ("xmin", "xmax", "ymin", "ymax", "zmin", "zmax")
 
 
 def moves(keyword: str) -> bool:
     """Whether a run may change the value in a way that only the run knows."""
     return keyword not in _STILL and not re.match(r"(count|mass)\(|(mass|type|id)\[", keyword)
+
+
+def of_particles(keyword: str) -> bool:
+    """Whether the value is a particle's column or a group function, which the state tells after a run as before it."""
+    found = _PARTICLE.fullmatch(keyword) or _FUNCTION.fullmatch(keyword)
+    return bool(found) and found[1] in (*_COLUMNS, *_GROUP_VALUES)  # type: ignore[index]
 
 
 def state_value(setup: Setup, keyword: str) -> float | None:

@@ -7,6 +7,7 @@ from pathlib import Path, PurePosixPath
 
 from demverify.deck.dry import NeedsRun
 from demverify.deck.setup import DumpSpec, Setup, Spec
+from demverify.deck.state_values import of_particles
 from demverify.engines._checks import FIX, check_fixes, check_reference, check_rhythm
 from demverify.engines._thermo import INDEXED, KEYWORDS, REDUCE
 from demverify.errors import InputError, Place
@@ -50,7 +51,7 @@ def check_keyword(setup: Setup, keyword: str, place: Place | None = None) -> Non
         _check_compute(setup, found[1], int(found[2] or 0), place)
     elif found := FIX.match(keyword):
         check_reference(setup, found[1], int(found[2] or 0), place)
-    elif keyword not in KEYWORDS:
+    elif keyword not in KEYWORDS and not (place is None and of_particles(keyword)):  # a formula may ask for these, a thermo table may not
         message = f"thermo keyword {keyword!r} is not one of {', '.join(KEYWORDS)}, c_ID, f_ID[i], v_NAME"
         raise InputError(message, place)
 

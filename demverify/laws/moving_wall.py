@@ -1,7 +1,7 @@
 """A sphere on a wall that slides along itself with velocity V slips, then rolls. With s0 = V - (u0 - R w0 x n), the slip at the start, friction
 mu g speeds it up by J = (2/7) s0, for the slip falls by (1/m + R^2/I) times the impulse, 7/(2 m):
 
-    u(t) = u0 + min(mu g t/|J|, 1) J;   in the end u = u0 + J, w = w0 + (5/2) J x n/R, rolling from t = 2 |s0|/(7 mu g) on
+    u(t) = u0 + mu g t J/|J| while it slips;   in the end u = u0 + J, w = w0 + (5/2) J x n/R, rolling from t = 2 |s0|/(7 mu g) on
 
 From rest: u = 2/7 V, |w| = 5/7 V/R. Angular momentum about the line of contact stays (Coriolis 1835; MFIX-DEM V&V, DEM-04, in the frame of
 the wall)."""
@@ -31,8 +31,9 @@ def measure(
     size = float(np.linalg.norm(gain))
     worst = (0.0, frames[0].step)
     for frame, t in zip(frames, times(frames, dt), strict=True):
-        share = min(friction * gravity * t / size, 1.0)
-        worst = max(worst, (float(np.abs(velocities(frame)[0] - u0 - share * gain).max()), frame.step))
+        share = friction * gravity * t / size
+        if share < 1.0:
+            worst = max(worst, (float(np.abs(velocities(frame)[0] - u0 - share * gain).max()), frame.step))
     last = frames[-1]
     turned = w0 + 2.5 / radius * np.cross(gain, normal)  # friction J at -R n: torque -R n x J
     missed, spin = velocities(last)[0] - u0 - gain, spins(last)[0] - turned
