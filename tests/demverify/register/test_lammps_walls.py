@@ -100,3 +100,19 @@ def test_open_cylinder_region_gives_nan_in_the_plane_of_its_edge(tmp_path: Path)
     )
     assert below == pytest.approx(-1e5 * overlap, rel=1e-9)
     assert_nan("lammps-open-cylinder-edge-nan", level)
+
+
+def test_two_planes_of_one_fix_are_not_felt_at_once(tmp_path: Path) -> None:
+    """Law: a ball pressed by d1 on one plane and by d2 on the plane opposite feels k (d1 - d2), whichever is nearer."""
+    below, above = 4e-5, 1e-5
+    upper = 2.0 * RADIUS - below - above
+    ball = [Ball((0.0, 0.0, RADIUS - below))]
+    wall = f"granular hooke {STIFFNESS} 0.0 tangential linear_nohistory 0.0 0.0 damping velocity"
+    one = simulate_lammps(ball, f"pair_style none\nfix w all wall/gran {wall} zplane 0 {upper}\nrun 0", tmp_path)
+    assert_deviates(
+        "lammps-nearer-plane-only",
+        one.frame(0).columns["fz"],
+        engine_rule=[STIFFNESS * below],
+        law=[STIFFNESS * (below - above)],
+        rtol=1e-9,
+    )
