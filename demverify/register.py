@@ -34,7 +34,7 @@ class Features:
     switches: limit_damping (LIGGGHTS limitForce), viscous, ktToKnUser. cylinders: axes x y z. computes, fixes: styles.
     thermo: columns.
     friction: some coefficient is not zero. tangential_damping: some law has it.
-    undamped_wall: a wall without normal damping. discs: spheres integrated as discs.
+    undamped_wall: a wall without normal damping. two_planes: a LAMMPS wall of two planes. discs: spheres integrated as discs.
     short_dumps: a dump without a format of its own. runs: number of `run` commands. particles: their number.
     """
 
@@ -54,6 +54,7 @@ class Features:
     tangential_damping: bool = False
     frozen: bool = False
     undamped_wall: bool = False
+    two_planes: bool = False
     discs: bool = False
     short_dumps: bool = False
     runs: int = 1
@@ -72,6 +73,7 @@ NEEDS: dict[str, Callable[[Features], bool]] = {
     "damping": lambda f: bool(f.damping - {"none"}),
     "unlimited damping": lambda f: bool(f.damping - {"none"}) and "limit_damping" not in f.switches,
     "undamped wall": lambda f: f.undamped_wall,
+    "two planes": lambda f: f.two_planes,
     "several runs": lambda f: f.runs > 1,
     "one particle": lambda f: f.particles == 1,
     "two dimensions": lambda f: f.dimension == 2,
@@ -239,6 +241,7 @@ def features_of(setup: Setup, runs: int) -> Features:
         tangential_damping=any(law.rubs for law in laws) and (setup.dialect == "lammps" or _liggghts_rubs(setup)),
         frozen=any(fix.style == "freeze" for fix in setup.fixes.values()),
         undamped_wall=any(law.damping == "none" for fix in _walls(setup) for law in _wall_laws(fix)),
+        two_planes=any(_two_planes(fix.args) for fix in _walls(setup)),
         discs=any("disc" in fix.args or (setup.dialect, setup.dimension) == ("liggghts", 2) for fix in integrators),
         short_dumps=any(not dump.format for dump in setup.dumps.values()),
         runs=runs,
@@ -276,6 +279,12 @@ def _walls(setup: Setup) -> list[Spec]:
 
 def _wall_style(fix: Spec) -> str:
     return "region" if fix.style == "wall/gran/region" else fix.args[0]
+
+
+def _two_planes(words: tuple[str, ...]) -> bool:
+    """`zplane LO HI` with neither NULL, which LIGGGHTS does not have."""
+    at = next((k for k, word in enumerate(words) if word.endswith("plane")), len(words))
+    return len(words) > at + 2 and "model" not in words and "NULL" not in words[at + 1 : at + 3]
 
 
 def _wall_laws(fix: Spec) -> list[_Law]:

@@ -1,0 +1,35 @@
+"""Free flight."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from demverify.laws.free_flight import measure
+from tests.support.law_frames import frame, off
+
+
+def flight(g, shift: float = 0.0):
+    x, v, w = np.array([1.0, 2.0, 3.0]), np.array([0.5, -1.0, 2.0]), np.array([1.0, 2.0, 3.0])
+    return [frame(k, x + v * t + 0.5 * g * t * t + shift * t, v + g * t, w) for k, t in enumerate(0.1 * np.arange(8))]
+
+
+@pytest.mark.parametrize(
+    ("style", "numbers", "g"),
+    [
+        ("vector", (2.0, -3.0, 6.0), (2 / 7, -3 / 7, 6 / 7)),
+        ("chute", (30.0, 0.0, 0.0), (0.5, 0.0, -np.sqrt(3) / 2)),
+        ("spherical", (0.0, 90.0, 0.0), (1.0, 0.0, 0.0)),
+        ("spherical", (90.0, 30.0, 0.0), (0.0, 0.5, np.sqrt(3) / 2)),
+    ],
+)
+def test_parabolas(style, numbers, g):
+    """Law: x = x0 + v0 t + g t^2/2 in the direction that the words mean."""
+    assert max(off(measure(flight(9.81 * np.array(g)), 0.1, 9.81, style, *numbers)).values()) < 1e-14
+
+
+def test_a_drift_is_seen():
+    """Law: a drift of 0.01 t shows in the path, not in the velocity."""
+    found = off(measure(flight(np.zeros(3), 0.01), 0.1, 0.0, "vector", 0.0, 0.0, -1.0))
+    assert found["velocity"] == 0.0
+    assert found["path"] == pytest.approx(0.005, rel=0.01)
