@@ -28,7 +28,8 @@ def measure(frames: Sequence[Frame], dt: float, stiffness: float, damping: float
     worst, bounces = (0.0, first.step), 0
     speeds = []
     for axis in range(3):
-        legs = _legs(float(positions(first)[0, axis]), float(velocities(first)[0, axis]), lo + radius, hi - radius, b, w, float(times(frames, dt)[-1]))
+        x0, v0 = float(positions(first)[0, axis]), float(velocities(first)[0, axis])
+        legs = _legs(x0, v0, lo + radius, hi - radius, b, w, float(times(frames, dt)[-1]))
         for frame, t in zip(frames, times(frames, dt), strict=True):
             start, x, v, side = next(leg for leg in reversed(legs) if leg[0] <= t)
             s = t - start
@@ -41,8 +42,7 @@ def measure(frames: Sequence[Frame], dt: float, stiffness: float, damping: float
         message = "no bounce, or the last frame lies within one along every axis"
         raise LookupError(message)
     found = [Measured("path", worst[1], worst[0], 0.0, hi - lo - 2.0 * radius)]
-    for axis in fine:
-        found.append(Measured(f"speed along {'xyz'[axis]}", last.step, abs(float(velocities(last)[0, axis])), speeds[axis]))
+    found += [Measured(f"speed along {'xyz'[axis]}", last.step, abs(float(velocities(last)[0, axis])), speeds[axis]) for axis in fine]
     return found
 
 

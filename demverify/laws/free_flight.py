@@ -41,6 +41,6 @@ def measure(
 
 def _direction(style: str, a: float, b: float, c: float) -> Floats:
     if style == "vector":
-        return np.array([a, b, c]) / np.linalg.norm([a, b, c])
+        return np.asarray(np.array([a, b, c]) / np.linalg.norm([a, b, c]))
     phi, theta = np.radians([a, b]) if style == "spherical" else (0.0, np.pi - np.radians(a))
     return np.array([np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta)])

@@ -1,6 +1,7 @@
 """A sphere under gravity and linear drag -c v (fix viscous) nears its terminal velocity v_t = m g/c exponentially (Stokes 1851):
 
-    v(t) = v_t + (v0 - v_t) exp(-c t/m),   x(t) = x0 + v_t t + (v0 - v_t) (m/c) (1 - exp(-c t/m)),   spin untouched"""
+v(t) = v_t + (v0 - v_t) exp(-c t/m),   x(t) = x0 + v_t t + (v0 - v_t) (m/c) (1 - exp(-c t/m)),   spin untouched
+"""
 
 from __future__ import annotations
 

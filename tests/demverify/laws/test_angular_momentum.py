@@ -8,7 +8,6 @@ import pytest
 from demverify.laws.angular_momentum import measure
 from tests.support.law_frames import frame, off
 
-
 M = np.array([1.0, 3.0])
 
 

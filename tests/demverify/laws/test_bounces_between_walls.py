@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
 from demverify.laws.bounces_between_walls import measure
 from tests.support.law_frames import frame, off
-from scipy.integrate import solve_ivp
-
 
 K, M, R = 1e4, 1.0, 0.5
 

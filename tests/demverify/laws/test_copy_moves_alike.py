@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from demverify.laws.copy_moves_alike import measure
 from tests.support.law_frames import frame, off
-from scipy.spatial.transform import Rotation
-
 
 TURN = Rotation.from_rotvec(np.radians(40.0) * np.array([2.0, -1.0, 2.0]) / 3.0).as_matrix()
 

@@ -7,7 +7,6 @@ import pytest
 from demverify.laws.cradle import measure
 from tests.support.law_frames import frame, off
 
-
 ROW = [[k, 0, 0] for k in range(4)]
 
 

@@ -8,7 +8,6 @@ import pytest
 from demverify.laws.momentum_balance import measure
 from tests.support.law_frames import frame, off
 
-
 X, V, M = np.array([[0.0, 0.0, 0.0], [2.0, 1.0, 0.0]]), np.array([[1.0, 0.0, 0.5], [-2.0, 1.0, 0.0]]), np.array([1.0, 3.0])
 G = 6.0 * np.array([1.0, -2.0, -2.0]) / 3.0
 

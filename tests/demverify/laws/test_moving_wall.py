@@ -8,7 +8,6 @@ import pytest
 from demverify.laws.moving_wall import measure
 from tests.support.law_frames import frame, off
 
-
 MU, G, R, DT = 0.3, 9.81, 0.5, 0.01
 N, WALL = np.array([0.0, 0.0, 1.0]), np.array([2.0, 0.0, 0.0])
 

@@ -8,7 +8,6 @@ import pytest
 from demverify.laws.spring_dashpot_collision import measure
 from tests.support.law_frames import frame, off
 
-
 K, C, V, DT = 1e4, 20.0, 0.5, 1e-3
 
 

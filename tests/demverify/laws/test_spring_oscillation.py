@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
 from demverify.laws.spring_oscillation import measure
 from tests.support.law_frames import frame, off
-from scipy.integrate import solve_ivp
-
 
 K, DT, M, R, LO, HI = 100.0, 0.01, 2.0, 0.5, 0.2, 1.1
 
