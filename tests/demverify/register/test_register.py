@@ -308,3 +308,12 @@ def test_a_missing_engine_skips_but_fails_in_ci(
     for require in (engines.require_lammps, engines.require_liggghts):
         with pytest.raises(outcome):
             require()
+
+
+@pytest.mark.parametrize(("wall", "both"), [("zplane 0.0 0.1", True), ("zplane 0.0 NULL", False), ("zplane NULL 0.1", False)])
+def test_two_planes_of_one_fix(wall: str, both: bool) -> None:
+    """Law: the entry on the nearer plane is for walls of two planes alone."""
+    from demverify.register import _two_planes
+
+    assert _two_planes(tuple(f"granular hooke 1e4 0.0 damping velocity {wall}".split())) is both
+    assert not _two_planes(("model", "hooke", "primitive", "type", "1", "zplane", "0.0", "shear", "x"))
