@@ -114,7 +114,13 @@ def compare_case(case: Case, out: Path, settings: Settings, watch: Watch, rows: 
 
 
 def _judged(
-    case: Case, plans: Mapping[Dialect, Plan], runs: Mapping[str, Run], envelopes: Mapping[Dialect, Envelope], settings: Settings, out: Path, watch: Watch
+    case: Case,
+    plans: Mapping[Dialect, Plan],
+    runs: Mapping[str, Run],
+    envelopes: Mapping[Dialect, Envelope],
+    settings: Settings,
+    out: Path,
+    watch: Watch,
 ) -> list[Check]:
     """Engine against engine, against closed forms and against what was recorded."""
     checks = [*_pair_checks(plans, runs, envelopes), *_law_checks(case, runs), *reference_checks(case, runs, envelopes)]

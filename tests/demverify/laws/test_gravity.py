@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from demverify.frames import Frame
-from demverify.laws import bounce_apex, column_at_rest, falling_contact, free_flight, linear_chain
+from demverify.laws import bounce_apex, column_at_rest, falling_contact, linear_chain
 from tests.support.impact_frames import errors, frame
 
 G = 9.80665
@@ -63,18 +63,6 @@ def test_linear_chain(restitution: float, rows: dict[float, tuple[float, float]]
     assert max(heights.values()) < 1e-6
     swapped = errors(linear_chain.measure(frames, 1e3, 0.7, G, 1.8e-3, 1e-7))
     assert min(swapped["height 1"], swapped["height 2"]) > 1e-2
-
-
-def test_free_flight() -> None:
-    """Law: two balls on parabolas; gravity wrong by 1 % shows as 1 % of the path."""
-    frames = []
-    for step in range(0, 1001, 50):
-        t = 1e-3 * step
-        fall = 0.5 * 9.81 * t**2
-        frames.append(frame(step, [1.0 - fall, 2.0 - fall], [-9.81 * t] * 2, [-9.81, -19.62], [0.1, 0.2], [1.0, 2.0]))
-    assert max(errors(free_flight.measure(frames, 9.81, 1e-3)).values()) < 1e-14
-    off = errors(free_flight.measure(frames, 9.9081, 1e-3))
-    assert off == pytest.approx(dict.fromkeys(off, 0.01 / 1.01), rel=1e-6)
 
 
 @pytest.mark.parametrize("normal", ["hooke", "hertz"])
