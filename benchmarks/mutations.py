@@ -40,7 +40,7 @@ MUTATIONS: dict[str, Mutation] = {
     "pair-torque-sign": Mutation(
         "the torque of friction between spheres has the wrong sign", "kernel_contact.py",
         "gx, gy, gz, hx, hy, hz = -aa * cx, -aa * cy, -aa * cz, -ao * cx, -ao * cy, -ao * cz",
-        "gx, gy, gz, hx, hy, hz = aa * cx, aa * cy, aa * cz, ao * cx, ao * cy, ao * cz", ("oblique pair", "momentum"),
+        "gx, gy, gz, hx, hy, hz = aa * cx, aa * cy, aa * cz, ao * cx, ao * cy, ao * cz", ("oblique-pair:E1e09-e1.0-1",),
     ),
     "wall-torque-sign": Mutation(
         "the torque of friction at a wall has the wrong sign", "kernel_wall.py",
@@ -57,15 +57,15 @@ MUTATIONS: dict[str, Mutation] = {
     ),
     "reduced-mass": Mutation(
         "the mass of a contact is that of one particle", "kernel_contact.py", "equal[1] * equal[1] / (equal[1] + equal[1])", "equal[1]",
-        ("head-on-hooke",),
+        ("head-on-hooke:legacy-e0.5",),
     ),
     "reduced-mass-unequal": Mutation(
         "the reduced mass of unequal spheres is the mean of their masses", "kernel_contact.py", "meff = ma * mo / (ma + mo)\n        if FROZEN",
-        "meff = 0.25 * (ma + mo)\n        if FROZEN", ("unequal pair",),
+        "meff = 0.25 * (ma + mo)\n        if FROZEN", ("head-on-unequal:hooke-radius2-e0.8",),
     ),
     "wall-velocity": Mutation(
         "a wall's velocity is ignored", "kernel_wall.py", "vx, vy, vz = b.v[i, 0] - wvx, b.v[i, 1] - wvy, b.v[i, 2] - wvz",
-        "vx, vy, vz = b.v[i, 0], b.v[i, 1], b.v[i, 2]", ("conveyor",),
+        "vx, vy, vz = b.v[i, 0], b.v[i, 1], b.v[i, 2]", ("conveyor:belt-from-rest",),
     ),
     "spin-in-slip": Mutation(
         "spin counts with the wrong sign in the velocity of the surface", "kernel_wall.py",
@@ -81,19 +81,19 @@ MUTATIONS: dict[str, Mutation] = {
     ),
     "half-kick": Mutation(
         "the second half of the kick is 1 % too weak", "kernel_motion.py", "flat.v[e] = flat.v[e] + g + again * g",
-        "flat.v[e] = flat.v[e] + g + 0.99 * again * g", ("free-flight",),
+        "flat.v[e] = flat.v[e] + g + 0.99 * again * g", ("free-flight:down",),
     ),
     "reaction": Mutation(
         "what acts on the other sphere is 0.1 % too weak", "kernel_contact.py", "b.force[o, 0] -= lanes[PX + u]",
-        "b.force[o, 0] -= 0.999 * lanes[PX + u]", ("head-on-hooke",),
+        "b.force[o, 0] -= 0.999 * lanes[PX + u]", ("head-on-hooke:legacy-e0.5",),
     ),
     "image-shift": Mutation(
         "a neighbour behind a periodic face is looked for on the wrong side", "kernel_contact.py", "x[a, 0] - (x[o, 0] + shifts[s, 0])",
-        "x[a, 0] - (x[o, 0] - shifts[s, 0])", ("periodic images",),
+        "x[a, 0] - (x[o, 0] - shifts[s, 0])", ("collision-copies:across-x",),
     ),
     "rolling-limit": Mutation(
         "rolling resistance is half of what it should be", "contact/rolling_sds.py", "limit = rolling_friction * critical_force",
-        "limit = 0.5 * rolling_friction * critical_force", ("rolling resistance",),
+        "limit = 0.5 * rolling_friction * critical_force", ("rolling-decay-sds:mu0.1",),
     ),
     "memory-lost": Mutation(
         "a renewed neighbour list forgets the springs", "neighbor_rows.py", "to_memory[q, c] = memory[k, c]\n        elif c < base:",

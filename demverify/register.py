@@ -9,6 +9,7 @@ from __future__ import annotations
 import tomllib
 from collections.abc import Callable, Collection, Iterable
 from dataclasses import dataclass, field, fields
+from functools import cache
 from itertools import pairwise
 from pathlib import Path
 from typing import Any, Literal, get_args
@@ -146,6 +147,14 @@ class Entry:
 
 def load(path: Path = FILE) -> tuple[Entry, ...]:
     """All entries, in the order of the file. Raises InputError on a malformed file."""
+    try:
+        return _load(path, path.stat().st_mtime_ns)
+    except OSError as error:
+        raise InputError(f"no readable register: {error}", Place(path)) from error
+
+
+@cache
+def _load(path: Path, changed: int) -> tuple[Entry, ...]:  # changed: so that a new register is read anew
     try:
         tables = tomllib.loads(path.read_text(encoding="utf-8")).get("entry", [])
     except (tomllib.TOMLDecodeError, UnicodeDecodeError, OSError) as error:

@@ -14,7 +14,7 @@ from demverify.verify import DIALECTS, SAME_RULES, Settings, compare_case
 from tests.support.engines import require_lammps, require_liggghts
 
 INPUTS = Path(__file__).parents[2] / "inputs"
-CASES = ("bed", "chute", "head-on-hertz", "head-on-hooke", "slip-to-roll", "wall-normal", "wall-oblique")
+CASES = ("bed", "chute", "head-on-hertz", "slip-to-roll", "wall-normal", "wall-oblique")
 LIBRARY = catalogue()
 
 
