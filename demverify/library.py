@@ -13,6 +13,8 @@ from multiprocessing import get_context
 from pathlib import Path
 from typing import Literal
 
+import numpy as np
+
 from demverify.cases import FILE, Case, find_cases, load_cases
 from demverify.compare import KNOWN, Check
 from demverify.errors import InputError
@@ -20,6 +22,7 @@ from demverify.report.content import EngineInfo
 from demverify.verify import Comparison, Settings, compare_case
 
 Status = Literal["pass", "deviation", "skipped", "fail"]
+POINTS = 80  # of a line in a picture
 COLUMNS = ("native", "lammps", "liggghts")
 PORTION = 6
 """Cases that one worker takes at a time: they share a deck, and so what has been compiled for it."""
@@ -186,7 +189,9 @@ def _pictures(found: Comparison) -> dict[str, str]:
     from demverify.report.pictures import energy_picture
 
     pictures: dict[str, str] = {}
-    for label, series in found.report.series.items():
+    for label, whole in found.report.series.items():
+        some = np.unique(np.linspace(0, len(whole.step) - 1, POINTS).astype(int))  # the whole report has them all
+        series = replace(whole, step=whole.step[some], time=whole.time[some], values={name: line[some] for name, line in whole.values.items()})
         drawn = "".join(energy_picture(name, {label: series}) for name in ("ke", "erotate") if name in series.values and series.values[name].any())
         pictures[engine_of(label)] = pictures.get(engine_of(label), "") or drawn
     return pictures

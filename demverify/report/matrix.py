@@ -97,14 +97,18 @@ def _detail(k: int, one: Verified, engine: str) -> str:
 
 
 def _numbers(checks: Sequence[Check]) -> str:
-    """One row a pair and quantity, the step nearest to its limit: laws first."""
+    """One row a pair and quantity, the step nearest to its limit, closed forms first; of engines that agree one row a pair."""
     rows: dict[tuple[str, tuple[str, str], str], Check] = {}
+    among: dict[object, set[str]] = {}
     for check in checks:
-        key = check.kind, check.engines, check.quantity
+        good = check.kind == "engine" and check.outcome == "pass"
+        key = check.kind, check.engines, "" if good else check.quantity
+        among.setdefault(key, set()).add(check.quantity)
         rows[key] = max((check, rows.get(key, check)), key=_closeness)
+    more = {id(check): f" (of {len(among[key])})" if not key[2] and len(among[key]) > 1 else "" for key, check in rows.items()}
     ordered = sorted(rows.values(), key=lambda c: (c.kind != "law", c.outcome in ("pass", "skipped")))
     body = "".join(
-        f'<tr><td class="{c.outcome}">{tables.SIGNS[c.outcome]}</td><td>{escape(c.quantity)}</td><td>{escape(" - ".join(c.engines))}</td>'
+        f'<tr><td class="{c.outcome}">{tables.SIGNS[c.outcome]}</td><td>{escape(c.quantity + more[id(c)])}</td><td>{" - ".join(c.engines)}</td>'
         f"<td>{c.step}</td><td>{scientific(c.max_rel)}</td><td>{scientific(c.tolerance)}</td><td>{gauge(c.max_rel, c.tolerance, c.outcome)}</td></tr>"
         for c in ordered
     )
