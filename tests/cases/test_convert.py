@@ -13,7 +13,7 @@ from demverify.errors import InputError
 from demverify.runs import plan
 
 INPUTS = Path(__file__).parents[2] / "inputs"
-CASES = sorted(folder.name for folder in INPUTS.iterdir() if (folder / "case.toml").is_file())
+CASES = ("bed", "chute", "head-on-hertz", "slip-to-roll", "wall-normal", "wall-oblique")  # both decks written by hand, without variables
 LAMMPS = """units lj
 atom_style sphere
 boundary p p f
