@@ -53,7 +53,8 @@ MUTATIONS: dict[str, Mutation] = {
     ),
     "history-not-turned": Mutation(
         "the tangential spring does not turn with the contact", "contact/friction_rotated_history.py",
-        "if abs(along) * kt > 1e-10 * limit:", "if False:", ("bed",), form=False,
+        "if abs(along) * kt > 1e-10 * limit:", "if False:", ("collision-copies:moved", "cluster-collision"),
+        form=False,
     ),
     "reduced-mass": Mutation(
         "the mass of a contact is that of one particle", "kernel_contact.py", "equal[1] * equal[1] / (equal[1] + equal[1])", "equal[1]",
@@ -97,7 +98,7 @@ MUTATIONS: dict[str, Mutation] = {
     ),
     "memory-lost": Mutation(
         "a renewed neighbour list forgets the springs", "neighbor_rows.py", "to_memory[q, c] = memory[k, c]\n        elif c < base:",
-        "to_memory[q, c] = 0.0\n        elif c < base:", ("bed",), form=False,
+        "to_memory[q, c] = 0.0\n        elif c < base:", ("chute",), form=False,
     ),
 }  # fmt: skip
 QUICK = ("wall-torque-sign", "reduced-mass", "coulomb-limit")
