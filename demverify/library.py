@@ -19,7 +19,7 @@ from demverify.cases import FILE, Case, find_cases, load_cases
 from demverify.compare import KNOWN, Check
 from demverify.errors import InputError
 from demverify.report.content import EngineInfo
-from demverify.verify import Comparison, Settings, compare_case
+from demverify.verify import Comparison, Settings, compare_case, engine_of
 
 Status = Literal["pass", "deviation", "skipped", "fail"]
 POINTS = 80  # of a line in a picture
@@ -72,11 +72,6 @@ class Verified:
             return Cell("skipped", (info.reason if info else "") or next((check.reason for check in own), "not asked for"), own)
         known = [check.reason for check in own if check.reason.startswith(KNOWN) and "closed form" in check.engines]
         return Cell("deviation", known[0], own) if known else Cell("pass", "", own)
-
-
-def engine_of(label: str) -> str:
-    """The engine of a run's label: `native-liggghts` is native."""
-    return "native" if label.startswith("native") else label
 
 
 def library() -> Path:

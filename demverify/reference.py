@@ -43,7 +43,7 @@ def reference_checks(case: Case, runs: Mapping[str, Run], envelopes: Mapping[Dia
 
 def record_references(found: Sequence[Verified], out: Path) -> list[Path]:
     """Copies the motion of each case into its folder: that of the dialect's own engine, or of native where it did not run. Raises InputError
-    for a case that failed otherwise than against an older record."""
+    for a case that could not run."""
     from demverify.formats.atomic import atomic_write
 
     written = []

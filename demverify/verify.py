@@ -146,6 +146,11 @@ def _known_entries(accepted: Sequence[str]) -> None:
             raise InputError(message)
 
 
+def engine_of(label: str) -> str:
+    """The engine of a run's label: `native-liggghts` is native."""
+    return "native" if label.startswith("native") else label
+
+
 def _label(dialect: Dialect, plans: Mapping[Dialect, Plan]) -> str:
     """native, and native-liggghts where both dialects are run."""
     return "native" if dialect == min(plans, key=DIALECTS.index) else f"native-{dialect}"
@@ -209,13 +214,18 @@ def _compare(a: Run, b: Run, envelope: Envelope | None, known: Plan) -> list[Che
 
 def _entries(known: Plan, engines: Sequence[str]) -> tuple[register.Entry, ...]:
     """Known deviations between engines (and closed forms: "law") on this deck."""
-    names = {"native" if label.startswith("native") else label for label in engines}
+    names = {engine_of(label) for label in engines}
     return register.applying(known.dialect, register.features_of(known.runs[-1].setup, len(known.runs)), names)
 
 
 def _same_scene(
     case: Case,
-    plans: Mapping[Dialect, Plan], runs: Mapping[str, Run], envelopes: Mapping[Dialect, Envelope], settings: Settings, out: Path, watch: Watch
+    plans: Mapping[Dialect, Plan],
+    runs: Mapping[str, Run],
+    envelopes: Mapping[Dialect, Envelope],
+    settings: Settings,
+    out: Path,
+    watch: Watch,
 ) -> list[Check]:
     """Whether the two decks describe the same scene: the LAMMPS deck under LIGGGHTS' rules against the LIGGGHTS deck, both native.
 

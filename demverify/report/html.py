@@ -134,8 +134,13 @@ def _plots(plots: Sequence[str], legend: Sequence[tuple[str, str]]) -> str:
 
 
 def _entries(report: Report) -> str:
-    """The entries of the register that apply, each under the name that the table of verdicts links to."""
-    items = "".join(_entry(entry) for entry in report.entries)
+    """The entries of the register that apply."""
+    return entry_list(report.entries)
+
+
+def entry_list(entries: Sequence[Deviation]) -> str:
+    """Entries of the register, each under the name that the table of verdicts links to."""
+    items = "".join(_entry(entry) for entry in entries)
     return f'<dl class="entries">{items}</dl>' if items else ""
 
 

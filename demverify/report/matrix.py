@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 from demverify.report import tables
 from demverify.report.axes import scientific
+from demverify.report.html import entry_list
 from demverify.report.json import write_whole
 from demverify.report.pictures import gauge
 
@@ -127,9 +128,4 @@ def _figures(drawn: str) -> str:
 
 
 def _evidence(entries: Sequence[Deviation]) -> str:
-    items = "".join(
-        f'<div><dt>{escape(e.id)}<br><span class="soft">{escape(e.engine)} {escape(e.version)}</span></dt>'
-        f'<dd>{escape(e.what)}<p class="soft">{escape(e.size)}</p><p class="soft">{escape(e.link)}</p></dd></div>'
-        for e in entries
-    )
-    return f'<section><h2>Expected deviations</h2><dl class="entries">{items}</dl></section>' if items else ""
+    return f"<section><h2>Expected deviations</h2>{entry_list(entries)}</section>" if entries else ""
