@@ -63,12 +63,23 @@ def evaluate(text: str, names: Names) -> float:
     return _finite(value, text)
 
 
-def evaluate_condition(text: str, names: Names) -> bool:
-    """The test of an `if` command: a formula, or two strings compared by == or !=. Raises FormulaError."""
+def evaluate_condition(text: str, names: Names, *, of_numbers: bool = False) -> bool:
+    """The test of an `if` command: a formula, or two strings compared by == or !=.
+
+    of_numbers: as in LIGGGHTS, which has no strings there and no exclusive or (measured on 3.8.0). Raises FormulaError."""
+    if of_numbers:
+        _refuse_strings(text)
     strings = re.fullmatch(r"\s*([^\s=!<>|&()]+)\s*(==|!=)\s*([^\s=!<>|&()]+)\s*", text)
     if strings and not (_is_number(strings[1]) and _is_number(strings[3])):
         return (strings[1] == strings[3]) == (strings[2] == "==")
     return evaluate(text, names) != 0.0
+
+
+def _refuse_strings(text: str) -> None:
+    if word := re.search(r"(?<![\w.])[A-Za-z_][^\s=!<>|&()]*", text):
+        raise FormulaError(f"LIGGGHTS compares numbers only, not strings such as {word[0]!r}")
+    if "|^" in text:
+        raise FormulaError("LIGGGHTS has no |^; it has ==, !=, <, <=, >, >=, && and ||")
 
 
 @dataclass(frozen=True)

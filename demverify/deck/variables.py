@@ -122,10 +122,10 @@ class Variables:
         except FormulaError as error:
             raise InputError(f"formula {formula!r}: {error}", place) from None
 
-    def condition(self, text: str, place: Place) -> bool:
-        """The test of an `if` command."""
+    def condition(self, text: str, place: Place, *, of_numbers: bool = False) -> bool:
+        """The test of an `if` command. of_numbers: one of strings is refused, as LIGGGHTS does. Raises InputError."""
         try:
-            return evaluate_condition(text, self._names(place))
+            return evaluate_condition(text, self._names(place), of_numbers=of_numbers)
         except FormulaError as error:
             raise InputError(f"condition {text!r}: {error}", place) from None
 

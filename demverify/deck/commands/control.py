@@ -57,14 +57,15 @@ def quit_(deck: Interpreter, cmd: Command) -> None:
 
 @command("if")
 def if_(deck: Interpreter, cmd: Command) -> None:
-    """if "test" then "command"... [elif "test" "command"...] [else "command"...]"""
+    """if "test" then "command"... [elif "test" "command"...] [else "command"...]; strings are compared by LAMMPS alone."""
     test = cmd.take("a test")
     cmd.choice("the word after the test", ("then",))
     while True:
         commands = _branch(cmd)
         if not commands:
             raise cmd.error("expects at least one command in each branch")
-        if deck.variables.condition(deck.variables.substitute(test, cmd.place), cmd.place):
+        text = deck.variables.substitute(test, cmd.place)
+        if deck.variables.condition(text, cmd.place, of_numbers=deck.setup.dialect == "liggghts"):
             return _execute(deck, commands, cmd)
         if not cmd:
             return None

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -11,6 +12,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from demverify.deck.formula import FormulaError, Names, evaluate, evaluate_condition
+from tests.support.engines import run_liggghts
 
 Wheel = Callable[[list[dict[str, Any]]], list[dict[str, Any]]]
 
@@ -137,3 +139,38 @@ def test_names_reach_their_source() -> None:
 def test_conditions(text: str, truth: bool) -> None:
     """An if command compares numbers as numbers and words as words."""
     assert evaluate_condition(text, NAMES) is truth
+
+
+@pytest.mark.parametrize(
+    ("text", "fault"),
+    [
+        ("hooke == hooke", "numbers only, not strings such as 'hooke'"),
+        ("hooke!=hertz/stiffness", "not strings such as 'hooke'"),
+        ("1 == a", "not strings such as 'a'"),
+        ("1 == 1 && b.c == b.c", "not strings such as 'b.c'"),
+        ("yes", "not strings such as 'yes'"),
+        ("1 |^ 0", "has no |^"),
+    ],
+)
+def test_conditions_of_numbers_refuse_strings(text: str, fault: str) -> None:
+    """Law (what must be rejected): where only numbers are compared, as in LIGGGHTS, a word is refused by its name, whatever it is compared to."""
+    with pytest.raises(FormulaError) as caught:
+        evaluate_condition(text, NAMES, of_numbers=True)
+    assert fault in str(caught.value)
+
+
+@pytest.mark.liggghts
+@pytest.mark.parametrize(
+    "text",
+    ["hooke == hooke", "hooke != hertz", "1 == a", "yes", "1 |^ 0", "1 == 1 && a == a",
+     "1 < 2", "1==1.0", "-1 == -1", "1e+3 == 1000", "1E-3 == .001", "1 || 0 && 0", "!0", "(3 > 2) == 1", "1 == 1 == 1"],
+)  # fmt: skip
+def test_liggghts_refuses_the_same_conditions(text: str, tmp_path: Path) -> None:
+    """Law: LIGGGHTS refuses the conditions that are refused here, and finds the others true as here."""
+    found = run_liggghts(f'if "{text}" then "print yes-it-is" else "print no-it-is-not"\n', tmp_path, may_fail=True)
+    if found.code:
+        assert "Invalid Boolean syntax in if command" in found.log
+        with pytest.raises(FormulaError):
+            evaluate_condition(text, NAMES, of_numbers=True)
+    else:
+        assert evaluate_condition(text, NAMES, of_numbers=True) is ("yes-it-is" in found.log)

@@ -52,6 +52,15 @@ def test_quoted_strings_are_replaced_by_lammps_only(dialect: str, printed: str, 
     assert run_deck("variable a string '$(1+1)'\nprint '${a}'", dialect).printed == [printed]
 
 
+def test_strings_are_compared_by_lammps_only(run_deck: Run) -> None:
+    """Law (what must be rejected): a LIGGGHTS deck that compares strings is refused with its line, as by LIGGGHTS; in LAMMPS it runs."""
+    deck = "variable m string hooke\nif '${m} == hooke' then 'print one'"
+    assert run_deck(deck, "lammps").printed == ["one"]
+    with pytest.raises(InputError, match=r":2: condition 'hooke == hooke': LIGGGHTS compares numbers only, not strings such as 'hooke'"):
+        run_deck(deck, "liggghts")
+    assert run_deck("variable n index 2\nif '${n} == 2.0' then 'print two'", "liggghts").printed == ["two"]
+
+
 def test_executed_holds_the_unrolled_deck(run_deck: Run) -> None:
     """Substituted commands in order, each with the place it was written; steering commands are left out."""
     deck = run_deck(
