@@ -1,13 +1,14 @@
-"""Momenta and energies of a frame, for closed forms: sums over its spheres, whatever engine wrote it."""
+"""Momenta, energies and paths of spheres, for closed forms, whatever engine wrote the frames."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from itertools import combinations
 
 import numpy as np
 
 from demverify.frames import Floats, Frame
+from demverify.laws import Measured, largest_miss
 
 
 def times(frames: Sequence[Frame], dt: float) -> Floats:
@@ -28,6 +29,24 @@ def velocities(frame: Frame) -> Floats:
 def spins(frame: Frame) -> Floats:
     """(n, 3)."""
     return frame.vectors("omegax", "omegay", "omegaz")
+
+
+def largest_misses_of_paths(frames: Sequence[Frame], dt: float, expected: Callable[[float], tuple[Floats, Floats]]) -> list[Measured]:
+    """Of all particles and frames, relative to the largest speed, path and spin. expected: time since the first frame -> velocities and
+    displacements since then, (n, 3) each; the spins must stay as they are at first."""
+    where, turning = positions(frames[0]), spins(frames[0])
+    misses = []
+    for frame, t in zip(frames, times(frames, dt), strict=True):
+        velocity, path = expected(float(t))
+        apart = velocities(frame) - velocity, positions(frame) - where - path, spins(frame) - turning
+        misses.append([np.abs(off).max() for off in apart])
+    scales = (
+        max(float(np.abs(velocities(frame)).max()) for frame in frames),
+        max(float(np.abs(positions(frame) - where).max()) for frame in frames),
+        max(float(np.abs(turning).max()), 1.0),
+    )
+    columns = zip(("velocity", "path", "spin"), np.array(misses).T, scales, strict=True)
+    return [largest_miss(name, frames, column, scale) for name, column, scale in columns]
 
 
 def momentum(frame: Frame) -> Floats:

@@ -13,8 +13,10 @@ from math import isfinite
 from pkgutil import iter_modules
 from typing import Any, NamedTuple, get_args, get_type_hints
 
+import numpy as np
+
 from demverify.errors import InputError, Place
-from demverify.frames import Frame
+from demverify.frames import Floats, Frame
 
 
 class Measured(NamedTuple):
@@ -25,6 +27,12 @@ class Measured(NamedTuple):
     measured: float
     expected: float
     scale: float | None = None
+
+
+def largest_miss(quantity: str, frames: Sequence[Frame], misses: Sequence[float] | Floats, scale: float) -> Measured:
+    """Of misses, one a frame and in size, the largest and its step; NaN, where there is one."""
+    at = int(np.argmax(misses))
+    return Measured(quantity, frames[at].step, float(misses[at]), 0.0, scale)
 
 
 def listing() -> tuple[str, ...]:

@@ -13,7 +13,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from demverify.frames import Frame
-from demverify.laws import Measured
+from demverify.laws import Measured, largest_miss
 from demverify.mechanics import angular_momentum, center, times
 
 
@@ -26,13 +26,11 @@ def measure(frames: Sequence[Frame], dt: float, gravity: float, x: float, y: flo
     parts = [angular_momentum(frame, inertia) for frame in frames]
     size = max(sum(float(np.linalg.norm(part)) for part in three) for three in parts)
     about = max(float(np.linalg.norm(orbital) + np.linalg.norm(spin)) for _, orbital, spin in parts)
-    start, inner, found = sum(parts[0]), parts[0][1] + parts[0][2], []
-    for frame, t, (whole, orbital, spin) in zip(frames, times(frames, dt), parts, strict=True):
-        expected = start + mass * (np.cross(where, g) * t + 0.5 * np.cross(speed, g) * t * t)
-        miss, own = np.abs(whole + orbital + spin - expected).max(), np.abs(orbital + spin - inner).max()
-        found.append((frame.step, float(miss), float(own)))
-    worst, own_worst = max(found, key=lambda row: row[1]), max(found, key=lambda row: row[2])
+    start, inner = sum(parts[0]), parts[0][1] + parts[0][2]
+    expected = [start + mass * (np.cross(where, g) * t + 0.5 * np.cross(speed, g) * t * t) for t in times(frames, dt)]
+    missed = [np.abs(sum(three) - total).max() for three, total in zip(parts, expected, strict=True)]
+    own = [np.abs(orbital + spin - inner).max() for _, orbital, spin in parts]
     return [
-        Measured("angular momentum about the origin", worst[0], worst[1], 0.0, size),
-        Measured("orbital + spin about the centre", own_worst[0], own_worst[2], 0.0, about),
+        largest_miss("angular momentum about the origin", frames, missed, size),
+        largest_miss("orbital + spin about the centre", frames, own, about),
     ]

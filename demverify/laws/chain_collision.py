@@ -10,7 +10,7 @@ from typing import Literal
 import numpy as np
 
 from demverify.frames import Floats, Frame
-from demverify.laws import Measured
+from demverify.laws import Measured, largest_miss
 from demverify.mechanics import positions, times, velocities
 
 
@@ -43,7 +43,7 @@ def measure(frames: Sequence[Frame], dt: float, normal: Literal["hooke", "hertz"
     off, slip = np.abs(x - known[:, :n]).max(axis=1), np.abs(v - known[:, n:]).max(axis=1)
     path, speed = float(np.abs(x - x[0]).max()), float(np.abs(v).max())
     return [
-        Measured("positions", frames[int(off.argmax())].step, float(off.max()), 0.0, path),
-        Measured("velocities", frames[int(slip.argmax())].step, float(slip.max()), 0.0, speed),
+        largest_miss("positions", frames, off, path),
+        largest_miss("velocities", frames, slip, speed),
         Measured("velocities at the end", frames[-1].step, float(slip[-1]), 0.0, speed),
     ]

@@ -13,7 +13,7 @@ from typing import Literal
 import numpy as np
 
 from demverify.frames import Frame
-from demverify.laws import Measured
+from demverify.laws import Measured, largest_miss
 from demverify.mechanics import angular_momentum, positions, times
 
 
@@ -28,9 +28,8 @@ def measure(frames: Sequence[Frame], dt: float, arm: Literal["radius", "contact"
     changed = total - total[0]
     size = max(float(np.linalg.norm(orbital) + np.linalg.norm(spin)) for _, orbital, spin in parts)
     off = np.abs(changed - expected).max(axis=1)
-    at = int(off.argmax())
     return [
-        Measured("change of the angular momentum", frames[at].step, float(off[at]), 0.0, size),
+        largest_miss("change of the angular momentum", frames, off, size),
         Measured("angular momentum left over", frames[-1].step, float(np.linalg.norm(changed[-1])), float(np.linalg.norm(expected[-1])), size),
     ]
 

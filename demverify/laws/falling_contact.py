@@ -11,11 +11,12 @@ R: radius; the contact pulls at its end, so it lasts until z = R.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import cos, exp, log, pi, sin, sqrt
+from math import cos, exp, pi, sin, sqrt
 
 import numpy as np
 
 from demverify.frames import Frame
+from demverify.impact import damping_ratio
 from demverify.laws import Measured
 
 
@@ -25,7 +26,7 @@ def measure(frames: Sequence[Frame], stiffness: float, restitution: float, gravi
     height, radius, mass = (float(first.columns[name][0]) for name in ("z", "radius", "mass"))
     fall = sqrt(2.0 * (height - radius) / gravity)
     speed = gravity * fall
-    contact = _Contact(sqrt(stiffness / mass), -log(restitution) / sqrt(pi**2 + log(restitution) ** 2), gravity, speed)
+    contact = _Contact(sqrt(stiffness / mass), damping_ratio(restitution), gravity, speed)
 
     def law(time: float) -> tuple[float, float]:
         if time < fall:

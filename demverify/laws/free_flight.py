@@ -12,31 +12,15 @@ import numpy as np
 
 from demverify.frames import Floats, Frame
 from demverify.laws import Measured
-from demverify.mechanics import positions, spins, times, velocities
+from demverify.mechanics import largest_misses_of_paths, velocities
 
 
 def measure(
     frames: Sequence[Frame], dt: float, gravity: float, style: Literal["vector", "chute", "spherical"], a: float, b: float, c: float
 ) -> list[Measured]:
     """All particles: largest misses over all frames, relative to the largest speed, path and spin."""
-    g, first = gravity * _direction(style, a, b, c), frames[0]
-    where, start, turning = positions(first), velocities(first), spins(first)
-    found = np.array(
-        [
-            [
-                np.abs(velocities(frame) - start - g * t).max(),
-                np.abs(positions(frame) - where - start * t - 0.5 * g * t * t).max(),
-                np.abs(spins(frame) - turning).max(),
-            ]
-            for frame, t in zip(frames, times(frames, dt), strict=True)
-        ]
-    )
-    at = found.argmax(axis=0)
-    speed = max(float(np.abs(velocities(frame)).max()) for frame in frames)
-    path = max(float(np.abs(positions(frame) - where).max()) for frame in frames)
-    scales = (speed, path, max(float(np.abs(turning).max()), 1.0))
-    names = ("velocity", "path", "spin")
-    return [Measured(name, frames[at[k]].step, float(found[at[k], k]), 0.0, scales[k]) for k, name in enumerate(names)]
+    g, start = gravity * _direction(style, a, b, c), velocities(frames[0])
+    return largest_misses_of_paths(frames, dt, lambda t: (start + g * t, start * t + 0.5 * g * t * t))
 
 
 def _direction(style: str, a: float, b: float, c: float) -> Floats:

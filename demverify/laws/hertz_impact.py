@@ -14,13 +14,13 @@ doi:10.1209/0295-5075/94/50004), from which follow
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import acos, exp, log, pi, sqrt
+from math import acos, exp, pi, sqrt
 from typing import Literal
 
 import numpy as np
 
 from demverify.frames import Frame
-from demverify.impact import Impact, peak
+from demverify.impact import Impact, damping_ratio, peak
 from demverify.laws import Measured
 
 
@@ -32,7 +32,7 @@ def measure(
     impact = Impact.of(frames)
     effective = young / (1.0 - poisson**2) / (2.0 if against == "alike" else 1.0)
     stiffness = 4.0 / 3.0 * effective * sqrt(impact.radius)
-    damping = -log(restitution) / sqrt(pi**2 + log(restitution) ** 2)
+    damping = damping_ratio(restitution)
     root = sqrt(1.0 - damping**2)
     frequency = sqrt(0.8 * stiffness / impact.mass)
     deepest = (impact.speed / frequency * exp(-damping / root * acos(damping))) ** 0.8

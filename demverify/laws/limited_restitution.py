@@ -9,16 +9,16 @@ For a linear contact, and for a Hertz contact with Tsuji's dashpot, which is lin
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import atan2, exp, log, pi, sqrt
+from math import atan2, exp, pi, sqrt
 
 from demverify.frames import Frame
-from demverify.impact import Impact
+from demverify.impact import Impact, damping_ratio
 from demverify.laws import Measured
 
 
 def measure(frames: Sequence[Frame], nominal: float) -> list[Measured]:
     """Restitution of two spheres, or of one and the plane z = 0. nominal: that of the dashpot with its pull."""
-    b = -log(nominal) / sqrt(pi**2 + log(nominal) ** 2)
+    b = damping_ratio(nominal)
     w = sqrt(1.0 - b**2)
     expected = exp(-b / w * (pi - atan2(2.0 * b * w, 1.0 - 2.0 * b**2)))
     return [Measured("restitution", frames[-1].step, Impact.of(frames).restitution, expected)]

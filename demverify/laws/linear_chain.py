@@ -9,11 +9,11 @@ with d_i the overlap below sphere i; m* is m at floor and ceiling. Linear, so it
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import log, pi, sqrt
 
 import numpy as np
 
 from demverify.frames import Floats, Frame
+from demverify.impact import damping_ratio
 from demverify.laws import Measured
 
 
@@ -40,7 +40,7 @@ def measure(frames: Sequence[Frame], stiffness: float, restitution: float, gravi
 def _system(frame: Frame, stiffness: float, restitution: float, gravity: float, ceiling: float) -> tuple[Floats, Floats]:
     """A and c of y' = A y + c, y = heights and velocities."""
     radius, mass, n = frame.columns["radius"], frame.columns["mass"], frame.n
-    ratio = -log(restitution) / sqrt(pi**2 + log(restitution) ** 2)
+    ratio = damping_ratio(restitution)
     pairs = mass[1:] * mass[:-1] / (mass[1:] + mass[:-1])
     dashpots = 2.0 * ratio * np.sqrt(stiffness * np.concatenate([mass[:1], pairs, mass[-1:]]))
     opening = np.zeros((n + 1, n))  # contact x sphere: what the gap grows by

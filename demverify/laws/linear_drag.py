@@ -9,9 +9,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from demverify.frames import Frame
+from demverify.frames import Floats, Frame
 from demverify.laws import Measured
-from demverify.mechanics import positions, spins, times, velocities
+from demverify.mechanics import largest_misses_of_paths, velocities
 
 
 def measure(frames: Sequence[Frame], dt: float, drag: float, ratio: float, gravity: float, x: float, y: float, z: float) -> list[Measured]:
@@ -21,19 +21,10 @@ def measure(frames: Sequence[Frame], dt: float, drag: float, ratio: float, gravi
     mass = first.columns["mass"][:, None]
     rate = drag * np.where(first.columns["type"] == 2, ratio, 1.0)[:, None] / mass
     final = gravity * along / np.linalg.norm(along) / rate
-    start, where = velocities(first), positions(first)
-    found = []
-    for frame, t in zip(frames, times(frames, dt), strict=True):
+    start = velocities(first)
+
+    def expected(t: float) -> tuple[Floats, Floats]:
         left = np.exp(-rate * t)
-        speed = final + (start - final) * left
-        place = where + final * t + (start - final) * (1.0 - left) / rate
-        found.append((np.abs(velocities(frame) - speed).max(), np.abs(positions(frame) - place).max(), np.abs(spins(frame) - spins(first)).max()))
-    missed = np.array(found)
-    size = max(float(np.abs(velocities(frame)).max()) for frame in frames)
-    path = max(float(np.abs(positions(frame) - where).max()) for frame in frames)
-    at = missed.argmax(axis=0)
-    return [
-        Measured("velocity", frames[at[0]].step, float(missed[at[0], 0]), 0.0, size),
-        Measured("path", frames[at[1]].step, float(missed[at[1], 1]), 0.0, path),
-        Measured("spin", frames[at[2]].step, float(missed[at[2], 2]), 0.0, max(1.0, float(np.abs(spins(first)).max()))),
-    ]
+        return final + (start - final) * left, final * t + (start - final) * (1.0 - left) / rate
+
+    return largest_misses_of_paths(frames, dt, expected)

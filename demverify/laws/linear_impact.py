@@ -8,17 +8,17 @@ doi:10.1007/s10035-007-0065-z).
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import acos, exp, log, pi, sqrt
+from math import acos, exp, pi, sqrt
 
 from demverify.frames import Frame
-from demverify.impact import Impact, peak
+from demverify.impact import Impact, damping_ratio, peak
 from demverify.laws import Measured
 
 
 def measure(frames: Sequence[Frame], stiffness: float, restitution: float, timestep: float) -> list[Measured]:
     """Contact time and greatest overlap of two spheres, or of one and the plane z = 0. stiffness [force/length], restitution: of the law."""
     impact = Impact.of(frames)
-    damping = -log(restitution) / sqrt(pi**2 + log(restitution) ** 2)
+    damping = damping_ratio(restitution)
     root = sqrt(1.0 - damping**2)
     frequency = sqrt(stiffness / impact.mass)
     deepest = impact.speed / frequency * exp(-damping / root * acos(damping))

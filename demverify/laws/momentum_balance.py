@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from demverify.frames import Frame
-from demverify.laws import Measured
+from demverify.laws import Measured, largest_miss
 from demverify.mechanics import center, momentum, times, velocities
 
 
@@ -19,14 +19,8 @@ def measure(frames: Sequence[Frame], dt: float, gravity: float, x: float, y: flo
     mass = first.columns["mass"]
     size = max(float(mass @ np.linalg.norm(velocities(frame), axis=1)) for frame in frames)
     start, where, speed = momentum(first), *center(first)
-    found = []
-    for frame, t in zip(frames, times(frames, dt), strict=True):
-        missed = float(np.abs(momentum(frame) - start - mass.sum() * g * t).max())
-        off = float(np.abs(center(frame)[0] - where - speed * t - 0.5 * g * t * t).max())
-        found.append((frame.step, missed, off))
-    worst, furthest = max(found, key=lambda row: row[1]), max(found, key=lambda row: row[2])
-    reach = size / float(mass.sum()) * float(times(frames, dt)[-1])
-    return [
-        Measured("total momentum", worst[0], worst[1], 0.0, size),
-        Measured("path of the centre of mass", furthest[0], furthest[2], 0.0, reach),
-    ]
+    timed = list(zip(frames, times(frames, dt), strict=True))
+    missed = [np.abs(momentum(frame) - start - mass.sum() * g * t).max() for frame, t in timed]
+    off = [np.abs(center(frame)[0] - where - speed * t - 0.5 * g * t * t).max() for frame, t in timed]
+    reach = size / float(mass.sum()) * float(timed[-1][1])
+    return [largest_miss("total momentum", frames, missed, size), largest_miss("path of the centre of mass", frames, off, reach)]

@@ -6,22 +6,27 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from demverify.frames import Floats, Frame
-from demverify.laws import Measured
+from demverify.frames import Frame
+from demverify.laws import Measured, largest_miss
+from demverify.mechanics import angular_momentum, momentum, positions, spins, velocities
+
+INERTIA = 0.4
+"""I/(m R^2) of spheres."""
 
 
 def measure(frames: Sequence[Frame]) -> list[Measured]:
     """Greatest drift over all frames, relative to the sums of the sizes at first."""
-    (p0, l0, p_size, l_size), last = _sums(frames[0]), frames[-1].step
-    drift_p = max(float(np.abs(_sums(frame)[0] - p0).max()) for frame in frames)
-    drift_l = max(float(np.abs(_sums(frame)[1] - l0).max()) for frame in frames)
-    return [Measured("momentum", last, drift_p, 0.0, p_size), Measured("angular momentum", last, drift_l, 0.0, l_size)]
+    linear = np.array([momentum(frame) for frame in frames])
+    angular = np.array([sum(angular_momentum(frame, INERTIA)) for frame in frames])
+    sizes = _sizes(frames[0])
+    drifts = [np.abs(total - total[0]).max(axis=1) for total in (linear, angular)]
+    columns = zip(("momentum", "angular momentum"), drifts, sizes, strict=True)
+    return [largest_miss(name, frames, drift, size) for name, drift, size in columns]
 
 
-def _sums(frame: Frame) -> tuple[Floats, Floats, float, float]:
-    """Momentum, angular momentum about the origin, and the sums of their parts' sizes."""
+def _sizes(frame: Frame) -> tuple[float, float]:
+    """Sums of the sizes of the momenta, and of the angular momenta about the origin, of the spin, and of R times the momenta."""
     mass, radius = frame.columns["mass"][:, None], frame.columns["radius"][:, None]
-    p = mass * frame.vectors("vx", "vy", "vz")
-    parts = np.vstack([np.cross(frame.vectors("x", "y", "z"), p), 0.4 * mass * radius**2 * frame.vectors("omegax", "omegay", "omegaz")])
-    size = float(np.linalg.norm(p, axis=1) @ frame.columns["radius"] + np.linalg.norm(parts, axis=1).sum())
-    return p.sum(axis=0), parts.sum(axis=0), float(np.linalg.norm(p, axis=1).sum()), size
+    p = mass * velocities(frame)
+    turning = np.vstack([np.cross(positions(frame), p), INERTIA * mass * radius**2 * spins(frame), radius * p])
+    return float(np.linalg.norm(p, axis=1).sum()), float(np.linalg.norm(turning, axis=1).sum())

@@ -11,10 +11,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from functools import lru_cache
-from math import copysign, log, pi, sqrt
+from math import copysign, sqrt
 from typing import Literal
 
 from demverify.frames import Frame
+from demverify.impact import damping_ratio
 from demverify.laws import Measured
 
 STEPS = 20_000  # of a contact; the outcome then stands to some 1e-6
@@ -65,7 +66,7 @@ def rebound(frames: Sequence[Frame], bounce: float, impulse: float) -> list[Meas
 @lru_cache(maxsize=64)
 def hertz_mindlin(eeff: float, geff: float, restitution: float, friction: float, vn: float, slip: float, pulling: bool) -> tuple[float, float]:
     """(normal speed after, tangential impulse over mass). eeff, geff: E* and G* times sqrt(R)/m."""
-    loss = -log(restitution) / sqrt(pi**2 + log(restitution) ** 2)
+    loss = damping_ratio(restitution)
     spring, dashpot = 4.0 / 3.0 * eeff, 2.0 * sqrt(5.0 / 6.0) * loss * sqrt(2.0 * eeff)
     contact_time = 2.943275184 * (1.25 * vn**2 / spring) ** 0.4 / vn
 

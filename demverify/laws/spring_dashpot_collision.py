@@ -14,7 +14,7 @@ from typing import Literal
 import numpy as np
 
 from demverify.frames import Frame
-from demverify.laws import Measured
+from demverify.laws import Measured, largest_miss
 from demverify.mechanics import positions, times, velocities
 
 
@@ -37,10 +37,8 @@ def measure(
     rebound = exp(-pi * b / w)
     contact = v / w * np.exp(-b * s) * np.sin(w * s)
     expected = np.where(s < 0.0, v * s, np.where(s < pi / w, contact, -rebound * v * (s - pi / w)))
-    off = np.abs(overlap - expected)
-    at = int(off.argmax())
     after = float((velocities(frames[-1])[0] - velocities(frames[-1])[1]) @ line)
     return [
-        Measured("overlap", frames[at].step, float(off[at]), 0.0, float(expected.max())),
+        largest_miss("overlap", frames, np.abs(overlap - expected), float(expected.max())),
         Measured("restitution", frames[-1].step, -after / v, rebound),
     ]

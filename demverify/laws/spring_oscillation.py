@@ -12,7 +12,7 @@ from typing import Literal
 import numpy as np
 
 from demverify.frames import Frame
-from demverify.laws import Measured
+from demverify.laws import Measured, largest_miss
 from demverify.mechanics import positions, times, velocities
 
 
@@ -35,7 +35,4 @@ def measure(
     off = np.abs(np.array([positions(frame)[0, along] for frame in frames]) - rest - x)
     slip = np.abs(np.array([velocities(frame)[0, along] for frame in frames]) - v)
     size = max(abs(x0), abs(v0) / w0)
-    return [
-        Measured("position", frames[int(off.argmax())].step, float(off.max()), 0.0, size),
-        Measured("velocity", frames[int(slip.argmax())].step, float(slip.max()), 0.0, size * w0),
-    ]
+    return [largest_miss("position", frames, off, size), largest_miss("velocity", frames, slip, size * w0)]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from demverify.laws import largest_miss
 from demverify.laws.free_flight import measure
 from tests.support.law_frames import frame, off
 
@@ -33,3 +34,17 @@ def test_a_drift_is_seen():
     found = off(measure(flight(np.zeros(3), 0.01), 0.1, 0.0, "vector", 0.0, 0.0, -1.0))
     assert found["velocity"] == 0.0
     assert found["path"] == pytest.approx(0.005, rel=0.01)
+
+
+def test_the_largest_miss_is_the_worst_frame():
+    """Law: of one miss a frame the largest counts, with its step; what is not a number counts before all."""
+    frames = [frame(step, [0.0, 0.0, 0.0], [0.0, 0.0, 0.0]) for step in (0, 10, 20)]
+    assert largest_miss("path", frames, [0.1, 0.3, 0.2], 2.0) == ("path", 10, 0.3, 0.0, 2.0)
+    assert largest_miss("path", frames, [0.1, 0.3, np.nan], 2.0).step == 20
+
+
+def test_a_changing_spin_is_seen():
+    """Law (what must be rejected): free flight leaves the spin alone; one that grows from 3 to 3.7 shows as 0.7 of 3."""
+    frames = flight(np.zeros(3))
+    frames[-1].columns["omegaz"][:] += 0.7
+    assert off(measure(frames, 0.1, 0.0, "vector", 0.0, 0.0, -1.0))["spin"] == pytest.approx(0.7 / 3.0)

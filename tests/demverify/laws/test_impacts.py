@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from demverify.impact import damping_ratio
 from demverify.laws import hertz_impact, limited_restitution, linear_impact, tsuji_restitution, viscoelastic_impact
 from tests.support.impact_frames import Curve, errors, impact, ratios
 
@@ -17,6 +18,14 @@ REDUCED, R = 0.8e-3, 0.01 / 3.0
 
 def ratio_of(restitution: float) -> float:
     return -log(restitution) / sqrt(pi**2 + log(restitution) ** 2)
+
+
+@pytest.mark.parametrize("restitution", [1e-3, 0.3, 0.999, 1.0])
+def test_damping_ratio(restitution: float) -> None:
+    """Law: half a swing of the oscillator with this ratio leaves e of the speed, exp(-pi b/sqrt(1 - b^2)) = e; undamped where e is 1."""
+    b = damping_ratio(restitution)
+    assert exp(-pi * b / sqrt(1.0 - b * b)) == pytest.approx(restitution, rel=1e-13)
+    assert damping_ratio(1.0) == 0.0
 
 
 def integrated(acceleration: object, speed: float, longest: float, mass: float) -> tuple[Curve, float]:
