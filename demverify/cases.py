@@ -3,7 +3,7 @@
 title = "..."                            what = "one or two sentences for the report"
 scenario = "oblique impact"              what physics; cases of one scenario stand together in the catalogue
 source = "DOI, or document and equation" where parameters and closed form come from
-accept = ["entry-id", ...]               known differences between the engines (register) that the case lives with
+accept = ["entry-id", ...]               known differences between the engines (register) that every variant lives with; one that explains none fails
 without = { liggghts = "why" }           an engine that this case cannot have
 every = N                                steps between the frames that are compared; by default some 200 frames
 [[variant]]  name = "e0.8"  variables = { e = 0.8 }        the decks with these variables; title, accept: its own

@@ -109,7 +109,7 @@ def compare_case(case: Case, out: Path, settings: Settings, watch: Watch, rows: 
     if not settings.thorough and any((check.outcome, check.kind) == ("fail", "engine") for check in checks):
         envelopes = _envelopes(plans, runs, case, out, settings, watch)
         checks = _judged(case, plans, runs, envelopes, settings, out, watch)
-    checks += _not_converted(plans, rows)
+    checks += [*_unneeded(case, plans, checks), *_not_converted(plans, rows)]
     return Comparison(checks, runs, _report(case, plans, runs, checks, envelopes, rows))
 
 
@@ -251,8 +251,25 @@ def _accepted(checks: Sequence[Check], same: Sequence[Check], plans: Mapping[Dia
     with that reason."""
     if not same or any(check.outcome == "fail" for check in same):
         return list(checks)
-    lived_with = [entry.id for entry in _entries(plans["lammps"], DIALECTS) if entry.id in accepted]
+    lived_with = _lived_with(plans, accepted)
     return [_explained(check, lived_with) if check.engines == DIALECTS else check for check in checks]
+
+
+def _lived_with(plans: Mapping[Dialect, Plan], accepted: Sequence[str]) -> list[str]:
+    """Of the accepted entries those that can explain a difference between LAMMPS and LIGGGHTS on this deck."""
+    return [entry.id for entry in _entries(plans["lammps"], DIALECTS) if entry.id in accepted]
+
+
+def _unneeded(case: Case, plans: Mapping[Dialect, Plan], checks: Sequence[Check]) -> Iterator[Check]:
+    """Strict: what the case accepts and what explains no difference fails. Nothing where the two were not compared, or still differ."""
+    pair = [check for check in checks if check.engines == DIALECTS]
+    if not any(check.outcome == "pass" for check in pair) or any(check.outcome in ("fail", "crashed") for check in pair):
+        return
+    explaining = _lived_with(plans, case.accept) if any(check.reason.startswith(KNOWN) for check in pair) else []
+    if idle := [entry for entry in dict.fromkeys(case.accept) if entry not in explaining]:
+        remedy = f"take it out of accept in {case.folder / FILE}" + (", or move it to the variants that need it" if ":" in case.name else "")
+        why = f"no difference of {' and '.join(DIALECTS)} in {case.name} is explained by {', '.join(idle)}: {remedy}"
+        yield Check("accepted difference", DIALECTS, 0, np.nan, np.nan, 0.0, "fail", why)
 
 
 def _explained(check: Check, lived_with: Sequence[str]) -> Check:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shutil
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -13,7 +14,7 @@ from demverify.cases import Case, Law
 from demverify.compare import KNOWN, Check
 from demverify.errors import InputError
 from demverify.library import Verified, catalogue, condensed, verified, verify_case
-from demverify.verify import Settings
+from demverify.verify import Settings, compare_case
 from tests.support.engines import require_lammps, require_liggghts
 
 TEMPLATE = Path(library.__file__).parent / "template_case"
@@ -105,6 +106,48 @@ def test_deviations_are_strict(tmp_path: Path, holds: bool) -> None:
     assert [found.cell(engine).status for engine in ("native", "lammps")] == (["fail"] * 2 if holds else ["deviation"] * 2)
     told = found.cell("lammps").reason
     assert ("mend the case, or the register" in told) if holds else told.startswith(KNOWN + entry.id)
+
+
+@pytest.mark.lammps
+@pytest.mark.liggghts
+@pytest.mark.parametrize("engines", [None, ("native", "lammps"), ("lammps", "liggghts")])
+def test_accepted_differences_are_strict(tmp_path: Path, engines: tuple[str, ...] | None) -> None:
+    """Law (what must be rejected): where LAMMPS and LIGGGHTS agree, an accepted difference fails in both, in one line that names the entry, the
+    case.toml and what to do; a pair that did not run is no evidence."""
+    require_lammps()
+    require_liggghts()
+    [case, *_] = catalogue([f"{mine(tmp_path / 'case')}:e0.8"])
+    idle = replace(case, accept=("liggghts-contact-arm", "lammps-2d-mass"))
+    found = verify_case(idle, tmp_path / "out", Settings(engines))
+    strict = engines is None or set(engines) >= {"lammps", "liggghts"}
+    assert [found.cell(engine).status for engine in ("lammps", "liggghts")] == (["fail"] * 2 if strict else ["pass", "skipped"])
+    assert found.cell("native").status == ("pass" if engines is None or "native" in engines else "skipped")
+    if strict:
+        told = found.cell("liggghts").reason
+        assert "is explained by liggghts-contact-arm, lammps-2d-mass: take it out of accept in" in told
+        assert f"{case.folder / 'case.toml'}, or move it to the variants that need it" in told
+        assert "\n" not in told
+
+
+@pytest.mark.lammps
+@pytest.mark.liggghts
+def test_an_accepted_difference_that_is_there_is_no_news(tmp_path: Path) -> None:
+    """Law: an accepted entry that explains a difference passes; one beside it that cannot apply to the deck is told alone; while the difference
+    fails for another reason nothing is told of either."""
+    require_lammps()
+    require_liggghts()
+    [case] = catalogue(["wall-oblique"])
+    assert case.accept == ("liggghts-contact-arm",)
+    good = compare_case(case, tmp_path / "good", Settings(thorough=False), lambda _: None)
+    assert {check.outcome for check in good.checks} == {"pass", "skipped"}
+    beside = replace(case, accept=("liggghts-contact-arm", "lammps-2d-mass"))
+    told = [c for c in compare_case(beside, tmp_path / "beside", Settings(thorough=False), lambda _: None).checks if c.outcome == "fail"]
+    assert [c.quantity for c in told] == ["accepted difference"]
+    assert "explained by lammps-2d-mass: take it out" in told[0].reason
+    other = replace(case, accept=("lammps-2d-mass",))
+    wrong = [c for c in compare_case(other, tmp_path / "other", Settings(thorough=False), lambda _: None).checks if c.outcome == "fail"]
+    assert wrong
+    assert "accepted difference" not in {c.quantity for c in wrong}
 
 
 def test_a_recorded_motion_is_held_against(tmp_path: Path) -> None:
