@@ -101,6 +101,14 @@ def find_cases(root: Path) -> tuple[Path, ...]:
     return tuple(sorted(file.parent for file in ([root / FILE] if (root / FILE).is_file() else root.rglob(FILE))))
 
 
+def split_variant(target: Path) -> tuple[Path, str] | None:
+    """FOLDER:VARIANT as the two, or a folder and no variant; None where there is no such folder."""
+    if target.is_dir():
+        return target, ""
+    folder, colon, variant = f"{target}".rpartition(":")
+    return (Path(folder), variant) if variant and colon and Path(folder).is_dir() else None
+
+
 def load_case(folder: Path, variant: str = "") -> Case:
     """One case: the only one of a folder, or the variant of this name. Raises InputError as load_cases does, and where there are several or
     none of this name."""

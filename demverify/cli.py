@@ -66,16 +66,17 @@ def compare(
     json: Json = None,
 ) -> None:
     """Run a deck or a case in every engine there is, and say where they agree."""
+    from demverify.cases import split_variant
     from demverify.compare import exit_status
     from demverify.report.html import write_report
     from demverify.report.json import write_json
     from demverify.report.text import print_comparison
-    from demverify.verify import Settings, compare_case, find_case, known_engines, names_variant
+    from demverify.verify import Settings, compare_case, find_case, known_engines
 
     variables = variables_of(var)
     _check(json)
     settings = Settings(known_engines(engine), threads, ranks, timeout, tuple(accept or ()))
-    if not target.exists() and not names_variant(target):
+    if not target.exists() and not split_variant(target):
         message = f"there is no deck or case folder {target}"
         raise InputError(message)
     folder = out / target.resolve().name.replace(":", "-")

@@ -15,11 +15,12 @@ from typing import Literal
 
 import numpy as np
 
-from demverify.cases import FILE, Case, find_cases, load_cases
+from demverify.cases import FILE, Case, find_cases, load_case, load_cases, split_variant
 from demverify.compare import KNOWN, Check
 from demverify.errors import InputError
 from demverify.report.content import EngineInfo
-from demverify.verify import Comparison, Settings, compare_case, engine_of
+from demverify.runs import engine_of
+from demverify.verify import Comparison, Settings, compare_case
 
 Status = Literal["pass", "deviation", "skipped", "fail"]
 POINTS = 80  # of a line in a picture
@@ -104,13 +105,11 @@ def _all(root: Path) -> list[Case]:
 
 
 def _own(name: str) -> list[Case] | None:
-    """Cases of a folder that exists, or None."""
-    if Path(name).is_dir():
-        return _all(Path(name))
-    folder, _, variant = name.rpartition(":")
-    if folder and Path(folder).is_dir():
-        return [case for case in load_cases(Path(folder)) if case.name.endswith(f":{variant}")]
-    return None
+    """Cases of a folder that exists, or None. Raises InputError for a variant that it does not have."""
+    if not (found := split_variant(Path(name))):
+        return None
+    folder, variant = found
+    return [load_case(folder, variant)] if variant else _all(folder)
 
 
 def _names(case: Case) -> tuple[str, ...]:

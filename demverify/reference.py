@@ -12,7 +12,7 @@ from demverify.chaos import Envelope
 from demverify.compare import Check, compare_series
 from demverify.deck.setup import Dialect
 from demverify.errors import InputError
-from demverify.runs import Run
+from demverify.runs import Run, native_label
 
 if TYPE_CHECKING:
     from demverify.library import Verified
@@ -51,8 +51,7 @@ def record_references(found: Sequence[Verified], out: Path) -> list[Path]:
         if one.error:
             raise InputError(f"{one.case.name} is not recorded: {one.error}")
         for dialect in one.case.decks:
-            labels = [dialect, "native" if dialect == next(iter(one.case.decks)) else f"native-{dialect}"]
-            ran = [label for label in labels if label in one.engines and one.engines[label].status == "ran"]
+            ran = [label for label in (dialect, native_label(dialect, one.case.decks)) if label in one.engines and one.engines[label].status == "ran"]
             if ran:
                 with atomic_write(reference_file(one.case, dialect)) as part:
                     shutil.copyfile((out / one.page).parent / ran[0] / "trajectory.h5", part)

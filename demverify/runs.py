@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -62,6 +62,16 @@ class Run:
     frames: Sequence[Frame] = ()
     thermo: Thermo | None = None
     budgets: Sequence[tuple[int, float, EnergyBudget]] = field(default=())
+
+
+def native_label(dialect: Dialect, dialects: Collection[Dialect]) -> str:
+    """What a native run is called: native, and native-liggghts where a case has decks of both dialects."""
+    return "native" if dialect == "lammps" or "lammps" not in dialects else f"native-{dialect}"
+
+
+def engine_of(label: str) -> str:
+    """The engine of a run's label: `native-liggghts` is native."""
+    return "native" if label.startswith("native") else label
 
 
 class _Checking(DryBackend):

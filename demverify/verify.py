@@ -11,7 +11,7 @@ from typing import Any, Literal
 import numpy as np
 
 from demverify import laws, register
-from demverify.cases import DECKS, FILE, Case, Law, load_case
+from demverify.cases import DECKS, FILE, Case, Law, load_case, split_variant
 from demverify.chaos import Envelope, nudge
 from demverify.compare import KNOWN, TIER2_STEPS, Check, compare_law, compare_series, explain, not_judged, verdict
 from demverify.deck.convert import convert
@@ -23,7 +23,7 @@ from demverify.frames import Frame
 from demverify.reference import reference_checks
 from demverify.report.content import DifferenceCurve, EnergySeries, EngineInfo, Report, difference_curves
 from demverify.rules import under_liggghts_rules
-from demverify.runs import Plan, Run, execute, frame_interval, plan
+from demverify.runs import Plan, Run, engine_of, execute, frame_interval, native_label, plan
 
 DIALECTS: tuple[Dialect, Dialect] = ("lammps", "liggghts")
 NO_CHAOS = Envelope(np.zeros(0, dtype=np.int64), {})
@@ -65,9 +65,8 @@ def find_case(target: Path, out: Path, variables: Mapping[str, list[str]]) -> tu
 
     Raises InputError when there is no such deck or folder.
     """
-    if target.is_dir() or names_variant(target):
-        folder, _, variant = f"{target}".rpartition(":")
-        case = load_case(target) if target.is_dir() else load_case(Path(folder), variant)
+    if found := split_variant(target):
+        case = load_case(*found)
         return replace(case, variables={**case.variables, **variables}), ()
     known = plan(target, variables)
     other: Dialect = "liggghts" if known.dialect == "lammps" else "lammps"
@@ -91,19 +90,13 @@ def known_engines(names: Sequence[str] | None) -> tuple[str, ...] | None:
     return tuple(names) if names else None
 
 
-def names_variant(target: Path) -> bool:
-    """Whether this is FOLDER:VARIANT."""
-    folder, colon, _ = f"{target}".rpartition(":")
-    return bool(colon) and Path(folder).is_dir()
-
-
 def compare_case(case: Case, out: Path, settings: Settings, watch: Watch, rows: Sequence[tuple[str, str, str]] = ()) -> Comparison:
     """Runs a case in every engine and judges it. Raises InputError for a wrong deck, before anything has run."""
     plans = {dialect: plan(deck, case.variables) for dialect, deck in case.decks.items()}
     _known_entries((*case.accept, *(entry for law in case.laws for entry in law.deviates.values())))
     runs: dict[str, Run] = {}
     for dialect, known in plans.items():
-        runs |= _run_dialect(known, _label(dialect, plans), case, out, settings, watch)
+        runs |= _run_dialect(known, native_label(dialect, plans), case, out, settings, watch)
     envelopes = _envelopes(plans, runs, case, out, settings, watch) if settings.thorough else {run.dialect: NO_CHAOS for run in _native(runs)}
     checks = _judged(case, plans, runs, envelopes, settings, out, watch)
     if not settings.thorough and any((check.outcome, check.kind) == ("fail", "engine") for check in checks):
@@ -144,16 +137,6 @@ def _known_entries(accepted: Sequence[str]) -> None:
         if name not in known:
             message = f"accepted difference {name!r} is not in the register; it has {', '.join(known)}"
             raise InputError(message)
-
-
-def engine_of(label: str) -> str:
-    """The engine of a run's label: `native-liggghts` is native."""
-    return "native" if label.startswith("native") else label
-
-
-def _label(dialect: Dialect, plans: Mapping[Dialect, Plan]) -> str:
-    """native, and native-liggghts where both dialects are run."""
-    return "native" if dialect == min(plans, key=DIALECTS.index) else f"native-{dialect}"
 
 
 def _run_dialect(known: Plan, label: str, case: Case, out: Path, settings: Settings, watch: Watch) -> dict[str, Run]:

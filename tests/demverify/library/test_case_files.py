@@ -6,8 +6,9 @@ from pathlib import Path
 
 import pytest
 
-from demverify.cases import find_cases, load_case, load_cases
+from demverify.cases import find_cases, load_case, load_cases, split_variant
 from demverify.errors import InputError
+from demverify.library import catalogue
 
 LAW = '[[law]]\nname = "collision_restitution"\ntolerance = 1e-3\nreason = "r"\n'
 ONE = "parameters = { restitution = 1 }"
@@ -87,3 +88,18 @@ def test_a_variant_that_is_not_there(tmp_path: Path) -> None:
         with pytest.raises(InputError, match=r"e0\.5, e0\.8") as error:
             load_case(folder, variant)
         assert told in str(error.value)
+
+
+def test_folder_and_variant(tmp_path: Path) -> None:
+    """Law: FOLDER and FOLDER:VARIANT are told apart, also below a folder with a colon in its name; a folder that is not there, or a colon with no
+    variant behind it, is neither. A variant that its folder lacks is told by the library too."""
+    folder = tmp_path / "a:b"
+    folder.mkdir()
+    assert split_variant(folder) == (folder, "")
+    assert split_variant(Path(f"{folder}:e0.5")) == (folder, "e0.5")
+    for wrong in (f"{folder}:", f"{tmp_path / 'gone'}:e0.5", "e0.5"):
+        assert split_variant(Path(wrong)) is None
+    made = case(tmp_path / "pair", VARIANTS)
+    assert [one.name for one in catalogue([f"{made}:e0.8"])] == ["pair:e0.8"]
+    with pytest.raises(InputError, match=r"there is no variant 'e9'; there are e0.5, e0.8"):
+        catalogue([f"{made}:e9"])
