@@ -59,6 +59,23 @@ class Comparison:
     report: Report
 
 
+@dataclass(frozen=True)
+class _Work:
+    """What all runs of a comparison share. plans: of each deck."""
+
+    case: Case
+    plans: Mapping[Dialect, Plan]
+    out: Path
+    settings: Settings
+    watch: Watch
+
+    def job(self, dialect: Dialect, folder: str, every: int | None = None) -> Job:
+        """A run of one deck, in a folder of its own. every: steps between frames, by default as the case or the deck's length has it."""
+        known, settings = self.plans[dialect], self.settings
+        interval = every or self.case.every or frame_interval(known.steps, known.particles)
+        return Job(known.deck, self.out / folder, dict(self.case.variables), interval, settings.timeout_s, settings.ranks, settings.threads)
+
+
 def find_case(target: Path, out: Path, variables: Mapping[str, list[str]]) -> tuple[Case, tuple[tuple[str, str, str], ...]]:
     """The case that a folder, FOLDER:VARIANT or a deck means; for a single deck the matching one is written to `out`. Second: the mapped
     settings.
@@ -94,33 +111,26 @@ def compare_case(case: Case, out: Path, settings: Settings, watch: Watch, rows: 
     """Runs a case in every engine and judges it. Raises InputError for a wrong deck, before anything has run."""
     plans = {dialect: plan(deck, case.variables) for dialect, deck in case.decks.items()}
     _known_entries((*case.accept, *(entry for law in case.laws for entry in law.deviates.values())))
-    runs: dict[str, Run] = {}
-    for dialect, known in plans.items():
-        runs |= _run_dialect(known, native_label(dialect, plans), case, out, settings, watch)
-    envelopes = _envelopes(plans, runs, case, out, settings, watch) if settings.thorough else {run.dialect: NO_CHAOS for run in _native(runs)}
-    checks = _judged(case, plans, runs, envelopes, settings, out, watch)
-    if not settings.thorough and any((check.outcome, check.kind) == ("fail", "engine") for check in checks):
-        envelopes = _envelopes(plans, runs, case, out, settings, watch)
-        checks = _judged(case, plans, runs, envelopes, settings, out, watch)
-    checks += [*_unneeded(case, plans, checks), *_not_converted(plans, rows)]
+    work, runs = _Work(case, plans, out, settings, watch), dict[str, Run]()
+    for dialect in plans:
+        runs |= _run_dialect(work, dialect)
+    closed = _law_checks(case, runs)  # no matter of chaos: once
+    envelopes = _envelopes(work, runs) if settings.thorough else {run.dialect: NO_CHAOS for run in _native(runs)}
+    checks = _judged(work, runs, envelopes)
+    if not settings.thorough and any(check.outcome == "fail" for check in checks):
+        envelopes = _envelopes(work, runs)
+        checks = _judged(work, runs, envelopes)
+    checks += [*closed, *_unneeded(case, plans, checks), *_not_converted(plans, rows)]
     return Comparison(checks, runs, _report(case, plans, runs, checks, envelopes, rows))
 
 
-def _judged(
-    case: Case,
-    plans: Mapping[Dialect, Plan],
-    runs: Mapping[str, Run],
-    envelopes: Mapping[Dialect, Envelope],
-    settings: Settings,
-    out: Path,
-    watch: Watch,
-) -> list[Check]:
-    """Engine against engine, against closed forms and against what was recorded."""
-    checks = [*_pair_checks(plans, runs, envelopes), *_law_checks(case, runs), *reference_checks(case, runs, envelopes)]
+def _judged(work: _Work, runs: Mapping[str, Run], envelopes: Mapping[Dialect, Envelope]) -> list[Check]:
+    """Engine against engine, and against what was recorded."""
+    checks = [*_pair_checks(work.plans, runs, envelopes), *reference_checks(work.case, runs, envelopes)]
     if not any(check.engines == DIALECTS and check.outcome == "fail" for check in checks):
         return checks
-    same = _same_scene(case, plans, runs, envelopes, settings, out, watch)
-    return [*_accepted(checks, same, plans, (*case.accept, *settings.accept)), *same]
+    same = _same_scene(work, runs, envelopes)
+    return [*_accepted(checks, same, work.plans, (*work.case.accept, *work.settings.accept)), *same]
 
 
 def _not_converted(plans: Mapping[Dialect, Plan], rows: Sequence[tuple[str, str, str]]) -> Iterator[Check]:
@@ -139,34 +149,27 @@ def _known_entries(accepted: Sequence[str]) -> None:
             raise InputError(message)
 
 
-def _run_dialect(known: Plan, label: str, case: Case, out: Path, settings: Settings, watch: Watch) -> dict[str, Run]:
+def _run_dialect(work: _Work, dialect: Dialect) -> dict[str, Run]:
     """The native engine, and the engine whose dialect this is."""
-    dialect, job = known.dialect, _job(known, case, out, settings)
+    label, asked = native_label(dialect, work.plans), work.settings.engines
     found: dict[str, Run] = {}
-    if settings.engines is None or "native" in settings.engines:
-        found[label] = execute("native", label, replace(job, folder=out / label), watch(label), keep=True, budget=settings.thorough)
-    if settings.engines is None or dialect in settings.engines:
-        found[dialect] = execute(dialect, dialect, replace(job, folder=out / dialect), watch(dialect), keep=True)
+    if asked is None or "native" in asked:
+        found[label] = execute("native", label, work.job(dialect, label), work.watch(label), keep=True, budget=work.settings.thorough)
+    if asked is None or dialect in asked:
+        found[dialect] = execute(dialect, dialect, work.job(dialect, dialect), work.watch(dialect), keep=True)
     return found
-
-
-def _job(known: Plan, case: Case, out: Path, settings: Settings) -> Job:
-    every = case.every or frame_interval(known.steps, known.particles)
-    return Job(known.deck, out, dict(case.variables), every, settings.timeout_s, settings.ranks, settings.threads)
 
 
 def _native(runs: Mapping[str, Run]) -> list[Run]:
     return [run for run in runs.values() if run.outcome.engine == "native"]
 
 
-def _envelopes(
-    plans: Mapping[Dialect, Plan], runs: Mapping[str, Run], case: Case, out: Path, settings: Settings, watch: Watch
-) -> dict[Dialect, Envelope]:
+def _envelopes(work: _Work, runs: Mapping[str, Run]) -> dict[Dialect, Envelope]:
     """How far each native run parts from the same run that starts one unit in the last place away."""
     found: dict[Dialect, Envelope] = {}
     for run in _native(runs):
-        job = replace(_job(plans[run.dialect], case, out, settings), folder=out / f"{run.label}-nudged")
-        nudged = execute("native", run.label, job, watch(f"{run.label} nudged"), keep=True, budget=settings.thorough, nudge=nudge)
+        job, seen = work.job(run.dialect, f"{run.label}-nudged"), work.watch(f"{run.label} nudged")
+        nudged = execute("native", run.label, job, seen, keep=True, budget=work.settings.thorough, nudge=nudge)
         found[run.dialect] = Envelope.from_frames(run.frames, nudged.frames)
     return found
 
@@ -201,15 +204,7 @@ def _entries(known: Plan, engines: Sequence[str]) -> tuple[register.Entry, ...]:
     return register.applying(known.dialect, register.features_of(known.runs[-1].setup, len(known.runs)), names)
 
 
-def _same_scene(
-    case: Case,
-    plans: Mapping[Dialect, Plan],
-    runs: Mapping[str, Run],
-    envelopes: Mapping[Dialect, Envelope],
-    settings: Settings,
-    out: Path,
-    watch: Watch,
-) -> list[Check]:
+def _same_scene(work: _Work, runs: Mapping[str, Run], envelopes: Mapping[Dialect, Envelope]) -> list[Check]:
     """Whether the two decks describe the same scene: the LAMMPS deck under LIGGGHTS' rules against the LIGGGHTS deck, both native.
 
     Over the steps of tier 2; nothing where one of the native runs is missing.
@@ -218,10 +213,9 @@ def _same_scene(
     if not ours or not theirs or theirs.outcome.status != "ok":
         return []
     every = theirs.frames[1].step - theirs.frames[0].step if len(theirs.frames) > 1 else 1
-    job = Job(plans["lammps"].deck, out / "native-rules", dict(case.variables), every, settings.timeout_s, 1, settings.threads)
-    other = plans["liggghts"].runs[0].scene
-    most = max(TIER2_STEPS, every)
-    swapped = execute("native", "native", job, watch("same scene?"), keep=True, rules=partial(under_liggghts_rules, other=other), most=most)
+    rules = partial(under_liggghts_rules, other=work.plans["liggghts"].runs[0].scene)
+    job, most = work.job("lammps", "native-rules", every), max(TIER2_STEPS, every)
+    swapped = execute("native", "native", job, work.watch("same scene?"), keep=True, rules=rules, most=most)
     last = swapped.frames[-1].step if swapped.frames else -1
     frames = [frame for frame in theirs.frames if frame.step <= last]
     checks = compare_series(swapped.frames, frames, (SAME_RULES, theirs.label), envelopes.get("liggghts"))
