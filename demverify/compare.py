@@ -81,6 +81,18 @@ class Check:
     tier: Literal[1, 2, 3] = 1
     kind: Literal["engine", "law"] = "engine"
 
+    @property
+    def closeness(self) -> float:
+        """The difference over its limit, 1 at it; the difference itself where the limit is zero, -1 where nothing was measured."""
+        if not self.max_rel >= 0.0:
+            return -1.0
+        return self.max_rel / self.tolerance if self.tolerance else self.max_rel
+
+
+def nearest(checks: Iterable[Check]) -> Check | None:
+    """The check nearest to its limit, or farthest beyond; the first of equals, None of none."""
+    return max(checks, key=lambda check: check.closeness, default=None)
+
 
 @dataclass(frozen=True)
 class Tolerances:
@@ -236,7 +248,7 @@ def summary(checks: Sequence[Check]) -> str:
     if not of["pass"]:
         reasons = "; ".join(dict.fromkeys(check.reason for check in of["skipped"][:3] if check.reason))
         return f"Nothing was judged, so nothing agrees{': ' + reasons if reasons else ''}."
-    worst = max(of["pass"], key=lambda check: check.max_rel / check.tolerance if check.tolerance else 0.0)
+    worst = max(of["pass"], key=lambda check: check.closeness)
     known = sum(check.reason.startswith(KNOWN) for check in of["skipped"])
     gaps = [f"{count} {what}" for count, what in ((known, "known differences accepted"), (len(of["skipped"]) - known, "skipped")) if count]
     skipped = ", " + ", ".join(gaps) if gaps else ""
@@ -352,5 +364,5 @@ def _listed(steps: Sequence[int], most: int = 5) -> str:
 
 __all__ = [
     "TIER1", "TIER2", "TIER2_STEPS", "TIER3", "Check", "Envelope", "Tolerances", "compare_law", "compare_scalars",
-    "compare_series", "compare_state", "exit_status", "explain", "not_judged", "summary", "verdict",
+    "compare_series", "compare_state", "exit_status", "explain", "nearest", "not_judged", "summary", "verdict",
 ]  # fmt: skip

@@ -16,7 +16,7 @@ from typing import Literal
 import numpy as np
 
 from demverify.cases import FILE, Case, find_cases, load_case, load_cases, split_variant
-from demverify.compare import KNOWN, Check
+from demverify.compare import KNOWN, Check, nearest
 from demverify.errors import InputError
 from demverify.report.content import EngineInfo
 from demverify.runs import engine_of
@@ -40,20 +40,19 @@ class Cell:
     @property
     def nearest(self) -> Check | None:
         """Of what was judged, the one nearest to its limit, or farthest beyond."""
-        judged = [check for check in self.checks if check.outcome in ("pass", "fail")]
-        return max(judged, key=lambda check: check.max_rel / check.tolerance if check.tolerance else 0.0, default=None)
+        return nearest(check for check in self.checks if check.outcome in ("pass", "fail"))
 
 
 @dataclass(frozen=True)
 class Verified:
     """What came of a case. checks: of each pair, quantity and tier the worst. counts: how many there were of each outcome. pictures: engine ->
-    its energies, svg. page: the report of the case, from the folder of the library's. error: a case that could not run."""
+    its energies, each an svg. page: the report of the case, from the folder of the library's. error: a case that could not run."""
 
     case: Case
     checks: tuple[Check, ...] = ()
     counts: Mapping[str, int] = field(default_factory=dict)
     engines: Mapping[str, EngineInfo] = field(default_factory=dict)
-    pictures: Mapping[str, str] = field(default_factory=dict)
+    pictures: Mapping[str, Sequence[str]] = field(default_factory=dict)
     seconds: float = 0.0
     page: str = ""
     error: str = ""
@@ -178,14 +177,14 @@ def condensed(checks: Sequence[Check]) -> tuple[Check, ...]:
     return tuple(replace(check, reason=group[0].reason) for check, group in zip(worst, groups.values(), strict=True))
 
 
-def _pictures(found: Comparison) -> dict[str, str]:
+def _pictures(found: Comparison) -> dict[str, list[str]]:
     """The energies of each engine over time."""
     from demverify.report.pictures import energy_picture
 
-    pictures: dict[str, str] = {}
+    pictures: dict[str, list[str]] = {}
     for label, whole in found.report.series.items():
         some = np.unique(np.linspace(0, len(whole.step) - 1, POINTS).astype(int))  # the whole report has them all
         series = replace(whole, step=whole.step[some], time=whole.time[some], values={name: line[some] for name, line in whole.values.items()})
-        drawn = "".join(energy_picture(name, {label: series}) for name in ("ke", "erotate") if name in series.values and series.values[name].any())
-        pictures[engine_of(label)] = pictures.get(engine_of(label), "") or drawn
+        drawn = [energy_picture(name, {label: series}) for name in ("ke", "erotate") if name in series.values and series.values[name].any()]
+        pictures[engine_of(label)] = pictures.get(engine_of(label)) or drawn
     return pictures

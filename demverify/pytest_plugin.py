@@ -19,7 +19,6 @@ if TYPE_CHECKING:
     from demverify.cases import Case
     from demverify.library import Verified
 
-ENGINES = ("native", "lammps", "liggghts")
 CASE_FILES = ("case.toml", "in.lammps", "in.liggghts")
 
 
@@ -55,8 +54,10 @@ class CaseFile(pytest.File):
 
     def collect(self) -> Iterator[CaseItem]:
         """A test for each case and engine."""
+        from demverify.library import COLUMNS
+
         for case in self._cases():
-            for engine in ENGINES:
+            for engine in COLUMNS:
                 yield CaseItem.from_parent(self, name=f"{case.name}[{engine}]", case=case, engine=engine)
 
     def _cases(self) -> tuple[Case, ...]:

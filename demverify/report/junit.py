@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 from xml.etree import ElementTree as ET
 
+from demverify.compare import nearest
 from demverify.report.axes import scientific
 
 if TYPE_CHECKING:
@@ -57,8 +58,8 @@ def markdown(found: Sequence[Verified], columns: Sequence[str]) -> str:
     lines += ["", "<details><summary>all cases</summary>", "", head, "|---|" + "---|" * (len(columns) + 1)]
     for one in found:
         own = [one.cell(engine) for engine in columns]
-        nearest = max((cell.nearest for cell in own if cell.nearest), key=lambda c: c.max_rel / c.tolerance if c.tolerance else 0.0, default=None)
-        told = f"{nearest.quantity} {scientific(nearest.max_rel)} of {scientific(nearest.tolerance)}" if nearest else ""
+        close = nearest(cell.nearest for cell in own if cell.nearest)
+        told = f"{close.quantity} {scientific(close.max_rel)} of {scientific(close.tolerance)}" if close else ""
         lines.append(f"| {one.case.name} | {' | '.join(SIGNS[cell.status] for cell in own)} | {told} |")
     return "\n".join([*lines, "", "</details>", ""])
 

@@ -90,7 +90,7 @@ def _detail(k: int, one: Verified, engine: str) -> str:
         f"<p>{escape(case.what)}</p>" if case.what else "",
         f'<p class="soft">Source: {escape(case.source)}</p>' if case.source else "",
         _numbers(cell.checks),
-        f'<div class="plots">{_figures(one.pictures.get(engine, ""))}</div>' if one.pictures.get(engine) else "",
+        f'<div class="plots">{_figures(one.pictures[engine])}</div>' if one.pictures.get(engine) else "",
         f'<h4>Closed forms</h4><ul class="soft">{laws}</ul>' if laws else "",
         f'<p><a href="{escape(one.page)}">The whole report of this case</a></p>' if one.page else "",
     ]
@@ -105,7 +105,7 @@ def _numbers(checks: Sequence[Check]) -> str:
         good = check.kind == "engine" and check.outcome == "pass"
         key = check.kind, check.engines, "" if good else check.quantity
         among.setdefault(key, set()).add(check.quantity)
-        rows[key] = max((check, rows.get(key, check)), key=_closeness)
+        rows[key] = max((check, rows.get(key, check)), key=lambda c: (c.outcome in ("fail", "crashed"), c.closeness))
     more = {id(check): f" (of {len(among[key])})" if not key[2] and len(among[key]) > 1 else "" for key, check in rows.items()}
     ordered = sorted(rows.values(), key=lambda c: (c.kind != "law", c.outcome in ("pass", "skipped")))
     body = "".join(
@@ -117,14 +117,8 @@ def _numbers(checks: Sequence[Check]) -> str:
     return f'<div class="table"><table class="numbers"><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table></div>' if rows else ""
 
 
-def _closeness(check: Check) -> tuple[bool, float]:
-    """What is shown of many: what failed, then what is nearest to its limit."""
-    ratio = check.max_rel / check.tolerance if check.tolerance and check.max_rel == check.max_rel else -1.0
-    return check.outcome in ("fail", "crashed"), ratio
-
-
-def _figures(drawn: str) -> str:
-    return "".join(f"<figure>{picture}</svg></figure>" for picture in drawn.split("</svg>") if picture)
+def _figures(pictures: Sequence[str]) -> str:
+    return "".join(f"<figure>{picture}</figure>" for picture in pictures)
 
 
 def _evidence(entries: Sequence[Deviation]) -> str:

@@ -35,7 +35,7 @@ class Row:
     @property
     def worst(self) -> Check:
         """The one farthest beyond, or nearest to, its limit."""
-        return max(self.checks, key=lambda c: (c.max_rel / c.tolerance if c.tolerance else c.max_rel) if c.max_rel >= 0 else -1.0)
+        return max(self.checks, key=lambda check: check.closeness)
 
 
 def badge(outcome: str) -> str:

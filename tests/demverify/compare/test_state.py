@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from demverify.compare import TIER1, compare_state, verdict
+from demverify.compare import TIER1, Check, compare_state, nearest, verdict
 from demverify.differences import QUANTITIES, Scales
 
 PAIR = ("native", "lammps")
@@ -18,6 +18,18 @@ PAIR = ("native", "lammps")
 def outcome(checks, quantity):
     """Outcome of one quantity."""
     return {check.quantity: check.outcome for check in checks}[quantity]
+
+
+def test_nearest_to_its_limit():
+    """Law: the share of the limit decides, not the size; what was not measured comes last, and of a limit of zero the difference counts."""
+    checks = [
+        Check("q", PAIR, step, rel, rel, limit, "pass")
+        for step, (rel, limit) in enumerate([(np.nan, np.nan), (1e-3, 1e-2), (5e-10, 1e-9), (1e-13, 1e-12), (0.2, 0.0)])
+    ]
+    assert [check.closeness for check in checks] == pytest.approx([-1.0, 0.1, 0.5, 0.1, 0.2])
+    assert nearest(checks).step == 2
+    assert nearest(checks[:1]).step == 0
+    assert nearest([]) is None
 
 
 def test_a_frame_agrees_with_itself(make):

@@ -42,7 +42,7 @@ def some() -> list[Verified]:
     )
     infos = {"native": EngineInfo("0.1", 1.0, 1e5), "lammps": EngineInfo("22 Jul", 1.0, 1e5), "liggghts": EngineInfo("3.8", 1.0, 1e5)}
     picture = '<svg class="plot" viewBox="0 0 420 250" role="img" aria-label="ke"><path d="M0 0L9 9"/></svg>'
-    first = Verified(both, checks, {"pass": 3}, infos, {"native": picture + picture}, 1.5, "cases/pair/report.html")
+    first = Verified(both, checks, {"pass": 3}, infos, {"native": [picture, picture]}, 1.5, "cases/pair/report.html")
     return [first, Verified(alone, checks[1:2], {"pass": 1}, infos)]
 
 
