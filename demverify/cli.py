@@ -18,6 +18,7 @@ from demverify.cli_library import cases, new_case, verify
 from demverify.cli_reproduce import reproduce
 from demverify.cli_timestep import timestep
 from demverify.errors import InputError, Place
+from demverify.formats.atomic import check_writable
 
 if TYPE_CHECKING:
     from demverify.engines.base import Progress
@@ -74,7 +75,7 @@ def compare(
     from demverify.verify import Settings, compare_case, find_case, known_engines
 
     variables = variables_of(var)
-    _check(json)
+    check_writable(json)
     settings = Settings(known_engines(engine), threads, ranks, timeout, tuple(accept or ()))
     if not target.exists() and not split_variant(target):
         message = f"there is no deck or case folder {target}"
@@ -114,7 +115,7 @@ def run(
 
     (name,) = known_engines([engine]) or ("native",)
     variables = variables_of(var)
-    _check(json)
+    check_writable(json)
     if strict and name != "native":
         message = f"--strict looks at runs of the native engine, not of {name}; demverify timestep --strict looks at the deck"
         raise InputError(message)
@@ -145,16 +146,16 @@ def convert(
 ) -> None:
     """Write a deck in the other engine's words."""
     from demverify.deck.convert import convert as convert_deck
+    from demverify.report.json import write_data
     from demverify.runs import plan
 
-    _check(json)
-
+    check_writable(json)
     if to not in ("lammps", "liggghts"):
         message = f"--to {to} is not one of lammps, liggghts"
         raise InputError(message)
     found = convert_deck(plan(deck, variables_of(var)), to, output)  # type: ignore[arg-type]
     if json:
-        _write(json, {"to": to, "deck": str(output), "mapped": [{"from": theirs, "to": ours} for theirs, ours, _ in found.rows]})
+        write_data(json, {"to": to, "deck": str(output), "mapped": [{"from": theirs, "to": ours} for theirs, ours, _ in found.rows]})
     for theirs, ours, _ in found.rows:
         print(f"{theirs}  ->  {ours}")
 
@@ -163,12 +164,13 @@ def convert(
 def doctor(json: Json = None) -> None:
     """Say which engines are here, which versions, what is missing and how to get it."""
     from demverify.doctor import diagnose
+    from demverify.report.json import write_data
     from demverify.report.text import print_doctor
 
-    _check(json)
+    check_writable(json)
     rows = diagnose()
     if json:
-        _write(json, rows)
+        write_data(json, rows)
     print_doctor(rows)
 
 
@@ -181,22 +183,6 @@ def _refuser(deck: Path) -> Callable[[str], NoReturn]:
         raise InputError(message, Place(deck))
 
     return refuse
-
-
-def _write(path: Path, what: object) -> None:
-    import json
-
-    from demverify.report.json import write_whole
-
-    write_whole(path, json.dumps(what, indent=1) + "\n")
-
-
-def _check(json: Path | None) -> None:
-    """Now, not after an hour's run."""
-    from demverify.formats.atomic import check_writable
-
-    if json:
-        check_writable(json)
 
 
 def variables_of(given: Sequence[str] | None) -> dict[str, list[str]]:

@@ -48,9 +48,7 @@ def erotate(
     from demverify.formats.atomic import check_writable
     from demverify.formats.dump import dump_files
 
-    for path in (json, csv, h5, plot):
-        if path:
-            check_writable(path)
+    check_writable(json, csv, h5, plot)
     meanings, notes = meanings_from(deck, variables_of(var), template or (), density, timestep)
     request = Request(Wanted(meanings, halfstep, inertia=inertia), _words(columns), keep_particles=per_particle)
     with ExitStack() as stack:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 import sys
 from collections.abc import Callable, Iterator
@@ -12,12 +13,14 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from demverify.errors import InputError
+from demverify.formats.atomic import check_writable
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from demverify.cases import Case
     from demverify.library import Verified
+    from demverify.verify import Settings
 
 _NAMES = "Cases, case:variant or scenarios of the library, or folders of your own. All of the library by default."
 Names = Annotated[list[str] | None, typer.Argument(metavar="[CASE]...", help=_NAMES)]
@@ -27,12 +30,13 @@ Json = Annotated[Path | None, typer.Option("--json", metavar="FILE", help="Also 
 def cases(names: Names = None, json: Json = None) -> None:
     """List the verification library: case, physics, closed form, source, engines."""
     from demverify.library import catalogue
+    from demverify.report.json import write_data
     from demverify.report.library_text import print_catalogue
 
-    _check(json)
+    check_writable(json)
     found = catalogue(names or ())
     if json:
-        _write_json(json, [_described(case) for case in found])
+        write_data(json, [_described(case) for case in found])
     print_catalogue(found)
 
 
@@ -47,21 +51,30 @@ def verify(
     timeout: Annotated[float, typer.Option(min=1.0, help="Time limit of one engine on one case, in seconds.")] = 600.0,
 ) -> None:
     """Run cases of the library, or your own, in every engine there is; exit status 0: all as it should be, 1: something is off."""
-    from demverify.library import COLUMNS, catalogue, verified
+    from demverify.library import COLUMNS, catalogue
     from demverify.reference import record_references
     from demverify.register import load
-    from demverify.report.json import write_whole
-    from demverify.report.junit import junit as junit_text
-    from demverify.report.junit import markdown
     from demverify.report.library_text import print_verified
     from demverify.report.matrix import write_matrix
     from demverify.verify import Settings, known_engines
 
-    for path in (junit, json):
-        _check(path)
+    check_writable(junit, json)
     settings = Settings(known_engines(engines), timeout_s=timeout, thorough=False)
-    found = catalogue(names or ())
     columns = [engine for engine in COLUMNS if settings.engines is None or engine in settings.engines]
+    done = _in_their_order(catalogue(names or ()), out, settings, workers)
+    page = out / "index.html"
+    write_matrix(page, done, columns, load())
+    if record:
+        record_references(done, out)
+    _tell_machines(done, columns, junit, json)
+    print_verified(done, columns, page)
+    _end(done, columns)
+
+
+def _in_their_order(found: Sequence[Case], out: Path, settings: Settings, workers: int) -> list[Verified]:
+    """Runs the cases behind a progress bar; workers finish them in any order."""
+    from demverify.library import verified
+
     out.mkdir(parents=True, exist_ok=True)
     done: list[Verified] = []
     with _bar(len(found)) as told:
@@ -69,24 +82,30 @@ def verify(
             done.append(one)
             told(len(done))
     order = {(case.folder, case.name): k for k, case in enumerate(found)}
-    done.sort(key=lambda one: order[one.case.folder, one.case.name])
-    page = out / "index.html"
-    write_matrix(page, done, columns, load())
-    if record:
-        record_references(done, out)
+    return sorted(done, key=lambda one: order[one.case.folder, one.case.name])
+
+
+def _tell_machines(done: Sequence[Verified], columns: Sequence[str], junit: Path | None, json: Path | None) -> None:
+    """What continuous integration reads: files that were asked for, and the summary of a GitHub step."""
+    from demverify.report.json import write_data, write_whole
+    from demverify.report.junit import junit as junit_text
+    from demverify.report.junit import markdown
+
     if junit:
         write_whole(junit, junit_text(done, columns))
     if json:
-        _write_json(json, [_result(one, columns) for one in done])
+        write_data(json, [_result(one, columns) for one in done])
     if summary := os.environ.get("GITHUB_STEP_SUMMARY"):
         with Path(summary).open("a", encoding="utf-8") as file:
             file.write(markdown(done, columns))
-    print_verified(done, columns, page)
-    statuses = [one.cell(engine).status for one in done for engine in columns]
-    if "fail" in statuses:
-        raise typer.Exit(1)
-    if "pass" not in statuses and "deviation" not in statuses:
+
+
+def _end(done: Sequence[Verified], columns: Sequence[str]) -> None:
+    """Exit status 1 where a cell failed, or nothing was judged."""
+    statuses = {one.cell(engine).status for one in done for engine in columns}
+    if not statuses & {"pass", "deviation", "fail"}:
         print("demverify: nothing was judged, so nothing agrees", file=sys.stderr)
+    if "fail" in statuses or not statuses & {"pass", "deviation"}:
         raise typer.Exit(1)
 
 
@@ -138,22 +157,7 @@ def _result(one: Verified, columns: Sequence[str]) -> dict[str, object]:
         nearest = cell.nearest
         cells[engine] = {"status": cell.status, "reason": cell.reason} | (
             {"nearest": {"quantity": nearest.quantity, "engines": list(nearest.engines), "relative": nearest.max_rel, "limit": nearest.tolerance}}
-            if nearest and nearest.max_rel == nearest.max_rel
+            if nearest and math.isfinite(nearest.max_rel)
             else {}
         )
     return {"name": one.case.name, "scenario": one.case.scenario, "seconds": round(one.seconds, 3), "checks": dict(one.counts), "cells": cells}
-
-
-def _check(path: Path | None) -> None:
-    from demverify.formats.atomic import check_writable
-
-    if path:
-        check_writable(path)
-
-
-def _write_json(path: Path, what: object) -> None:
-    import json
-
-    from demverify.report.json import write_whole
-
-    write_whole(path, json.dumps(what, indent=1) + "\n")

@@ -29,8 +29,7 @@ def reproduce(
 
     names = tuple(dict.fromkeys(study or studies.listing()))
     studies.check(names)
-    if json:
-        check_writable(json)
+    check_writable(json)
     for name in names:
         (out / name).mkdir(parents=True, exist_ok=True)
     found = {}

@@ -15,19 +15,16 @@ def timestep(
     strict: Annotated[bool, typer.Option("--strict", help="Refuse a step above its stability limit: exit status 2.")] = False,
 ) -> None:
     """Say how long the step of a deck may be: every limit, its formula, and which rules."""
-    from json import dumps
-
     from demverify.cli import variables_of
     from demverify.formats.atomic import check_writable
-    from demverify.report.json import write_whole
+    from demverify.report.json import write_data
     from demverify.report.timestep import as_dict, print_timestep
     from demverify.timestep import refuse, step_report
 
-    if json:
-        check_writable(json)
+    check_writable(json)
     report = step_report(deck, variables_of(var))
     if json:
-        write_whole(json, dumps(as_dict(report), indent=1, allow_nan=False) + "\n")
+        write_data(json, as_dict(report))
     print_timestep(report)
     if strict:
         refuse(report)

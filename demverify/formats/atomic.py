@@ -16,14 +16,16 @@ def part_path(path: Path) -> Path:
     return path.with_name(path.name + ".part")
 
 
-def check_writable(path: Path) -> None:
-    """Raises InputError where no file can come to be: its folder does not exist, or it is a folder itself."""
-    if not path.parent.is_dir():
-        message = f"cannot write {path.name}: there is no folder {path.parent}"
-        raise InputError(message)
-    if path.is_dir():
-        message = f"cannot write {path}: it is a folder"
-        raise InputError(message)
+def check_writable(*paths: Path | None) -> None:
+    """To be asked before the work, not after it. None: a file that nobody wants. Raises InputError where no file can come to be: its folder
+    does not exist, or it is a folder itself."""
+    for path in filter(None, paths):
+        if not path.parent.is_dir():
+            message = f"cannot write {path.name}: there is no folder {path.parent}"
+            raise InputError(message)
+        if path.is_dir():
+            message = f"cannot write {path}: it is a folder"
+            raise InputError(message)
 
 
 @contextmanager

@@ -25,7 +25,12 @@ def as_dict(checks: Sequence[Check] | None, engines: Mapping[str, EngineInfo]) -
 
 def write_json(path: Path, checks: Sequence[Check] | None, engines: Mapping[str, EngineInfo]) -> None:
     """Write the object to `path`. Raises OSError if the folder cannot be written."""
-    write_whole(path, json.dumps(as_dict(checks, engines), indent=1, allow_nan=False) + "\n")
+    write_data(path, as_dict(checks, engines))
+
+
+def write_data(path: Path, what: object) -> None:
+    """Write an object of numbers (finite), texts, lists and tables as JSON. Raises OSError if the folder cannot be written."""
+    write_whole(path, json.dumps(what, indent=1, allow_nan=False) + "\n")
 
 
 def write_whole(path: Path, text: str) -> None:

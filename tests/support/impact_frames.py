@@ -42,11 +42,6 @@ def impact(curve: Curve, duration: float, radius: Sequence[float], mass: Sequenc
     return frames, timestep
 
 
-def errors(found: Sequence[Measured]) -> dict[str, float]:
-    """Quantity -> difference relative to the scale."""
-    return {one.quantity: abs(one.measured - one.expected) / (one.scale or abs(one.expected)) for one in found}
-
-
 def ratios(found: Sequence[Measured]) -> dict[str, float]:
     """Quantity -> measured over expected."""
     return {one.quantity: one.measured / one.expected for one in found if one.expected}

@@ -9,7 +9,8 @@ import pytest
 
 from demverify.frames import Frame
 from demverify.laws import adhesive_contact, sjkr_contact
-from tests.support.impact_frames import errors, frame, ratios
+from tests.support.impact_frames import frame, ratios
+from tests.support.law_frames import off
 
 YOUNG, NU, ENERGY = 1e8, 0.3, 1.0
 E = YOUNG / (2.0 * (1.0 - NU**2))
@@ -36,17 +37,17 @@ def test_jkr() -> None:
     assert curve[-1][1] == pytest.approx(-3.0 * pi * ENERGY * R, rel=1e-6)
     curve[0] = (0.0, curve[0][1])
     curve.append((-1.001 * edge**2 / (3.0 * R), 0.0))
-    assert max(errors(adhesive_contact.measure(drawn(curve), "jkr", YOUNG, NU, ENERGY)).values()) < 1e-9
+    assert max(off(adhesive_contact.measure(drawn(curve), "jkr", YOUNG, NU, ENERGY)).values()) < 1e-9
     assert ratios(adhesive_contact.measure(drawn(curve), "jkr", YOUNG, NU, 0.5 * ENERGY))["force at touch"] == pytest.approx(2.0)
     held = [*curve, (curve[-1][0], curve[-2][1])]
-    assert errors(adhesive_contact.measure(drawn(held), "jkr", YOUNG, NU, ENERGY))["force over overlap"] == pytest.approx(1.0, rel=1e-5)
+    assert off(adhesive_contact.measure(drawn(held), "jkr", YOUNG, NU, ENERGY))["force over overlap"] == pytest.approx(1.0, rel=1e-5)
 
 
 def test_dmt() -> None:
     """Law: Hertz less 4 pi g R*, ending at touch; that of JKR is two thirds of it."""
     pull = 4.0 * pi * ENERGY * R
     curve = [(1e-15, -pull), (1e-5, 4.0 / 3.0 * E * sqrt(R) * 1e-5**1.5 - pull), (-1e-9, 0.0)]
-    assert max(errors(adhesive_contact.measure(drawn(curve), "dmt", YOUNG, NU, ENERGY)).values()) < 1e-9
+    assert max(off(adhesive_contact.measure(drawn(curve), "dmt", YOUNG, NU, ENERGY)).values()) < 1e-9
     assert ratios(adhesive_contact.measure(drawn(curve), "jkr", YOUNG, NU, ENERGY))["force at touch"] == pytest.approx(1.5)
 
 
@@ -60,5 +61,5 @@ def test_sjkr(radius: tuple[float, ...]) -> None:
         reach = (r**2 + radius[0] ** 2 - radius[1] ** 2) / (2.0 * r) if len(radius) == 2 else r  # from the first centre to the plane of the circle
         curve.append((overlap, 4.0 / 3.0 * E * sqrt(reduced) * overlap**1.5 - 1e6 * pi * (radius[0] ** 2 - reach**2)))
     assert curve[1][1] < 0.0 < curve[3][1]
-    assert max(errors(sjkr_contact.measure(drawn(curve, radius), YOUNG, NU, 1e6)).values()) < 1e-9
-    assert errors(sjkr_contact.measure(drawn(curve, radius), YOUNG, NU, 2e6))["force over overlap"] > 0.1
+    assert max(off(sjkr_contact.measure(drawn(curve, radius), YOUNG, NU, 1e6)).values()) < 1e-9
+    assert off(sjkr_contact.measure(drawn(curve, radius), YOUNG, NU, 2e6))["force over overlap"] > 0.1

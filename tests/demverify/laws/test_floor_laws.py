@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from demverify.frames import Frame
-from demverify.laws import Measured, incline, marshall_decay, momentum_conservation, slip_transient, spin_decay
+from demverify.laws import incline, marshall_decay, momentum_conservation, slip_transient, spin_decay
+from tests.support.law_frames import off
 
 RADIUS, MASS, G, DT = 0.005, 1.3e-3, 9.81, 1e-3
 State = Callable[[float], tuple[float, float, float, float]]  # t -> x, vx, omegay, omegaz
@@ -25,18 +26,14 @@ def _frames(state: State, until: float) -> list[Frame]:
     return frames
 
 
-def _off(found: list[Measured]) -> dict[str, float]:
-    return {one.quantity: abs(one.measured - one.expected) / (one.scale or abs(one.expected)) for one in found}
-
-
 def _slip(mu: float) -> list[Frame]:
     return _frames(lambda t: (0.0, 1.0 - mu * G * t, 2.5 * mu * G * t / RADIUS, 0.0), 2.0 / (7.0 * mu * G))
 
 
 def test_slip_transient() -> None:
     """Law: u = u0 - mu g t, omega = 5/2 mu g t/R until 2 u0/(7 mu g); 5 % more friction ends the slip 5 % sooner."""
-    assert max(_off(slip_transient.measure(_slip(0.3), 0.3, G, DT)).values()) < 1e-12
-    assert _off(slip_transient.measure(_slip(0.315), 0.3, G, DT))["end of the slip"] == pytest.approx(1.0 - 1.0 / 1.05, rel=1e-9)
+    assert max(off(slip_transient.measure(_slip(0.3), 0.3, G, DT)).values()) < 1e-12
+    assert off(slip_transient.measure(_slip(0.315), 0.3, G, DT))["end of the slip"] == pytest.approx(1.0 - 1.0 / 1.05, rel=1e-9)
 
 
 @pytest.mark.parametrize("axis", ["y", "z"])
@@ -50,18 +47,18 @@ def test_spin_decay(axis: str, until: float) -> None:
         return (0.0, 0.0, w, 0.0) if axis == "y" else (0.0, 0.0, 0.0, w)
 
     stops = 100.0 / rate
-    assert max(_off(spin_decay.measure(_frames(state, until * stops), axis, 0.1, G, DT)).values()) < 1e-12  # type: ignore[arg-type]
+    assert max(off(spin_decay.measure(_frames(state, until * stops), axis, 0.1, G, DT)).values()) < 1e-12  # type: ignore[arg-type]
     free = spin_decay.measure(_frames(lambda t: state(0.0), until * stops), axis, 0.1, G, DT)  # type: ignore[arg-type]
-    assert max(_off(free).values()) == pytest.approx(0.9 * min(until, 1.0) if until < 1 else 1.0, abs=0.01)
+    assert max(off(free).values()) == pytest.approx(0.9 * min(until, 1.0) if until < 1 else 1.0, abs=0.01)
 
 
 def test_marshall_decay() -> None:
     """Law: omega falls by 5/3 mu a g t/R^2, a = sqrt(R m g/k); a torque without the 2/3 shows."""
     rate = 5.0 / 3.0 * 0.5 * sqrt(RADIUS * MASS * G / 1e3) * G / RADIUS**2
     found = marshall_decay.measure(_frames(lambda t: (0.0, 0.0, 0.0, 100.0 - rate * t), 90.0 / rate), 0.5, 1e3, G, DT)
-    assert max(_off(found).values()) < 1e-12
+    assert max(off(found).values()) < 1e-12
     wrong = marshall_decay.measure(_frames(lambda t: (0.0, 0.0, 0.0, 100.0 - 1.5 * rate * t), 90.0 / rate), 0.5, 1e3, G, DT)
-    assert _off(wrong)["spin at 0.5"] == pytest.approx(0.225, abs=0.01)
+    assert off(wrong)["spin at 0.5"] == pytest.approx(0.225, abs=0.01)
 
 
 @pytest.mark.parametrize(
@@ -78,16 +75,16 @@ def test_incline(slope: float, mu: float, mur: float, a: float, alpha: float) ->
     def state(t: float, extra: float = 1.0) -> tuple[float, float, float, float]:
         return 0.5 * a * G * t * t, extra * a * G * t, alpha * G * t / RADIUS, 0.0
 
-    assert max(_off(incline.measure(_frames(state, 0.2), slope, mu, mur, G, DT)).values()) < 1e-12
+    assert max(off(incline.measure(_frames(state, 0.2), slope, mu, mur, G, DT)).values()) < 1e-12
     if a:
-        assert _off(incline.measure(_frames(lambda t: state(t, 1.01), 0.2), slope, mu, mur, G, DT))["speed"] == pytest.approx(0.01)
+        assert off(incline.measure(_frames(lambda t: state(t, 1.01), 0.2), slope, mu, mur, G, DT))["speed"] == pytest.approx(0.01)
 
 
 def test_momentum_conservation() -> None:
     """Law: momentum and angular momentum stay; a spin from nowhere shows."""
     still = _frames(lambda t: (t, 1.0, 3.0, 0.0), 0.01)
-    assert max(_off(momentum_conservation.measure(still)).values()) < 1e-15
+    assert max(off(momentum_conservation.measure(still)).values()) < 1e-15
     spun = _frames(lambda t: (t, 1.0, 3.0 + 100.0 * t, 0.0), 0.01)
-    found = _off(momentum_conservation.measure(spun))
+    found = off(momentum_conservation.measure(spun))
     assert found["momentum"] == 0.0
     assert found["angular momentum"] > 1e-4

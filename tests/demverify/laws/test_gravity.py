@@ -9,7 +9,8 @@ import pytest
 
 from demverify.frames import Frame
 from demverify.laws import bounce_apex, column_at_rest, falling_contact, linear_chain
-from tests.support.impact_frames import errors, frame
+from tests.support.impact_frames import frame
+from tests.support.law_frames import off
 
 G = 9.80665
 BALL = 4.0 / 3.0 * np.pi * 0.1**3 * 2600.0
@@ -29,9 +30,9 @@ def test_falling_contact(stiffness: float, restitution: float, duration: float, 
     steps = [0, round(0.5 * fall / dt), round((fall + duration) / dt), round((fall + duration + leaving / G) / dt)]
     states = [(0.5, 0.0), (0.5 - G * (steps[1] * dt) ** 2 / 2, -G * steps[1] * dt), (0.1, leaving), (apex, 0.0)]
     frames = [ball(step, *state) for step, state in zip(steps, states, strict=True)]
-    assert max(errors(falling_contact.measure(frames, stiffness, restitution, G, dt)).values()) < 5e-7
-    assert max(errors(falling_contact.measure(frames, 2.0 * stiffness, restitution, G, dt)).values()) > 1e-2
-    assert max(errors(falling_contact.measure(frames, stiffness, 0.95 * restitution, G, dt)).values()) > 1e-2
+    assert max(off(falling_contact.measure(frames, stiffness, restitution, G, dt)).values()) < 5e-7
+    assert max(off(falling_contact.measure(frames, 2.0 * stiffness, restitution, G, dt)).values()) > 1e-2
+    assert max(off(falling_contact.measure(frames, stiffness, 0.95 * restitution, G, dt)).values()) > 1e-2
 
 
 def test_bounce_apex() -> None:
@@ -39,7 +40,7 @@ def test_bounce_apex() -> None:
     speed = sqrt(2.0 * G * 0.4)
     frames = [ball(0, 0.5, 0.0), ball(10, 0.1, -speed), ball(20, 0.1001, sqrt(0.81 * speed**2 - 2e-4 * G))]
     frames += [ball(30, 0.2, -0.5), ball(40, 0.1001, 0.99 * 0.81 * speed)]
-    found = errors(bounce_apex.measure(frames, 0.9, G, 2))
+    found = off(bounce_apex.measure(frames, 0.9, G, 2))
     assert found["apex 1"] < 1e-12
     assert found["apex 2"] == pytest.approx(1.0 - 0.99**2, rel=0.03)
     with pytest.raises(LookupError, match="3 bounces wanted, 2 seen"):
@@ -58,10 +59,10 @@ def test_linear_chain(restitution: float, rows: dict[float, tuple[float, float]]
     m2 = 4.0 / 3.0 * np.pi * 5e-4**3 * 1e4
     states = {0.0: (4.5e-4, 1.35e-3), **rows}
     frames = [frame(round(t / 1e-7), z, [0.0, 0.0], [0.0, 0.0], [5e-4, 5e-4], [2.0 * m2, m2]) for t, z in states.items()]
-    heights = {name: error for name, error in errors(linear_chain.measure(frames, 1e3, restitution, G, 1.8e-3, 1e-7)).items() if "height" in name}
+    heights = {name: error for name, error in off(linear_chain.measure(frames, 1e3, restitution, G, 1.8e-3, 1e-7)).items() if "height" in name}
     assert len(heights) == 2
     assert max(heights.values()) < 1e-6
-    swapped = errors(linear_chain.measure(frames, 1e3, 0.7, G, 1.8e-3, 1e-7))
+    swapped = off(linear_chain.measure(frames, 1e3, 0.7, G, 1.8e-3, 1e-7))
     assert min(swapped["height 1"], swapped["height 2"]) > 1e-2
 
 
@@ -75,9 +76,9 @@ def test_column_at_rest(normal: str) -> None:
     gaps = np.concatenate([radius[:1], radius[1:] + radius[:-1]]) - overlap
     z = np.cumsum(gaps)
     still = frame(9, z, [0.0] * 3, [0.0] * 3, radius, mass)
-    assert max(errors(column_at_rest.measure([still], normal, stiffness, 10.0)).values()) < 1e-10  # type: ignore[arg-type]
+    assert max(off(column_at_rest.measure([still], normal, stiffness, 10.0)).values()) < 1e-10  # type: ignore[arg-type]
     lifted = frame(9, np.add(z, [0.0, 0.0, 0.5 * overlap[2]]), [0.0] * 3, [0.0, 0.0, 1.5], radius, mass)
-    off = errors(column_at_rest.measure([lifted], normal, stiffness, 10.0))  # type: ignore[arg-type]
-    assert off["force at contact 2"] == pytest.approx(0.5 if normal == "hooke" else 1.0 - 0.5**1.5, rel=1e-9)
-    assert off["force left over"] == pytest.approx(0.05)
-    assert off["force at floor"] < 1e-10
+    wrong = off(column_at_rest.measure([lifted], normal, stiffness, 10.0))  # type: ignore[arg-type]
+    assert wrong["force at contact 2"] == pytest.approx(0.5 if normal == "hooke" else 1.0 - 0.5**1.5, rel=1e-9)
+    assert wrong["force left over"] == pytest.approx(0.05)
+    assert wrong["force at floor"] < 1e-10

@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 from demverify.frames import Floats, Frame
-from demverify.laws import Measured, oblique_linear, oblique_mindlin, oblique_pair, spin_impact, spin_no_friction
+from demverify.laws import oblique_linear, oblique_mindlin, oblique_pair, spin_impact, spin_no_friction
 from demverify.laws.oblique_mindlin import hertz_mindlin
+from tests.support.law_frames import off
 
 RADIUS, MASS = 0.0025, 2.618e-4
 
@@ -28,17 +29,13 @@ def _impact(vn: float, vx: float, spin: float, bounce: float, impulse: float) ->
     return [_frame(0, np.array([vx, 0.0, -vn]), np.array([0.0, spin, 0.0])), _frame(9, *after)]
 
 
-def _off(found: list[Measured]) -> dict[str, float]:
-    return {one.quantity: abs(one.measured - one.expected) / (one.scale or abs(one.expected)) for one in found}
-
-
 @pytest.mark.parametrize("slip_sign", [1.0, -1.0])
 def test_spin_impact(slip_sign: float) -> None:
     """Law: sliding impulse mu (1 + e) v_n against the slip, with a spin at first; a wrong sign of the impulse shows."""
     vn, spin, e, mu = 0.5, -slip_sign * 900.0, 0.6, 0.3
     impulse = slip_sign * mu * (1.0 + e) * vn
-    assert max(_off(spin_impact.measure(_impact(vn, 0.1, spin, e * vn, impulse), e, mu)).values()) < 1e-14
-    wrong = _off(spin_impact.measure(_impact(vn, 0.1, spin, e * vn, -impulse), e, mu))
+    assert max(off(spin_impact.measure(_impact(vn, 0.1, spin, e * vn, impulse), e, mu)).values()) < 1e-14
+    wrong = off(spin_impact.measure(_impact(vn, 0.1, spin, e * vn, -impulse), e, mu))
     assert wrong["tangential velocity"] > 0.5
     assert wrong["slip"] > 0.1
 
@@ -69,19 +66,19 @@ def test_mindlin_measures_a_planted_error() -> None:
     eeff, geff = 1e9 / (1.0 - 0.09) / 2.0, 1e9 / (4.0 * 1.7 * 1.3)
     _, impulse = hertz_mindlin(eeff * sqrt(RADIUS) / MASS, geff * sqrt(RADIUS) / MASS, 1.0, 0.2, vn, vt, True)
 
-    def off(factor: float) -> dict[str, float]:
-        return _off(oblique_mindlin.measure(_impact(vn, vt, 0.0, vn, factor * impulse), 1e9, 0.3, 1e9, 0.3, 1.0, 0.2, "yes"))
+    def scaled(factor: float) -> dict[str, float]:
+        return off(oblique_mindlin.measure(_impact(vn, vt, 0.0, vn, factor * impulse), 1e9, 0.3, 1e9, 0.3, 1.0, 0.2, "yes"))
 
-    assert max(off(1.0).values()) < 1e-7
-    assert off(1.01)["spin"] == pytest.approx(0.01, rel=1e-3)
+    assert max(scaled(1.0).values()) < 1e-7
+    assert scaled(1.01)["spin"] == pytest.approx(0.01, rel=1e-3)
 
 
 def test_linear_sticks_by_the_oscillator() -> None:
     """Law: without slip the linear contact is an oscillator, P = (2/7) slip (1 - cos(sqrt(7 kt/2 kn) pi))."""
     kn, kt, vn, vt = 1e5, 4e4, 1.0, 0.2
     impulse = 2.0 / 7.0 * vt * (1.0 - np.cos(sqrt(3.5 * kt / kn) * pi))
-    assert max(_off(oblique_linear.measure(_impact(vn, vt, 0.0, vn, impulse), kn, kt, 50.0)).values()) < 2e-4  # the contact ends within a step
-    assert _off(oblique_linear.measure(_impact(vn, vt, 0.0, vn, -impulse), kn, kt, 50.0))["spin"] == pytest.approx(2.0, rel=1e-3)
+    assert max(off(oblique_linear.measure(_impact(vn, vt, 0.0, vn, impulse), kn, kt, 50.0)).values()) < 2e-4  # the contact ends within a step
+    assert off(oblique_linear.measure(_impact(vn, vt, 0.0, vn, -impulse), kn, kt, 50.0))["spin"] == pytest.approx(2.0, rel=1e-3)
 
 
 def _pair(impulse: float) -> list[Frame]:
@@ -93,8 +90,8 @@ def _pair(impulse: float) -> list[Frame]:
 
 def test_oblique_pair() -> None:
     """Law: each of two mirrored spheres takes mu (1 + e) v_n; 10 % more impulse shows as 10 % of the spin."""
-    assert max(_off(oblique_pair.measure(_pair(0.18), 0.8, 0.1)).values()) < 1e-13
-    assert _off(oblique_pair.measure(_pair(0.198), 0.8, 0.1))["spin"] == pytest.approx(0.1)
+    assert max(off(oblique_pair.measure(_pair(0.18), 0.8, 0.1)).values()) < 1e-13
+    assert off(oblique_pair.measure(_pair(0.198), 0.8, 0.1))["spin"] == pytest.approx(0.1)
 
 
 def test_spin_no_friction() -> None:
@@ -104,5 +101,5 @@ def test_spin_no_friction() -> None:
     x = frames[0].vectors("x", "y", "z")
     first = _frame(0, np.array([[1.0, 0.0, 0.0], [-1.0, 0.0, 0.0]]), spins, x)
     same, changed = (_frame(9, np.array([[-0.5, 0.0, 0.0], [0.5, 0.0, 0.0]]), factor * spins, x) for factor in (1.0, 1.02))
-    assert max(_off(spin_no_friction.measure([first, same])).values()) == 0.0
-    assert _off(spin_no_friction.measure([first, changed]))["spin change"] == pytest.approx(0.02)
+    assert max(off(spin_no_friction.measure([first, same])).values()) == 0.0
+    assert off(spin_no_friction.measure([first, changed]))["spin change"] == pytest.approx(0.02)
