@@ -20,6 +20,7 @@ from demsolver.scene import (
     NveSphere,
     Particles,
     Plane,
+    Rotation,
     Scene,
     SetForce,
     Slab,
@@ -32,5 +33,5 @@ from demsolver.trouble import LostParticles, Unstable
 
 __all__ = [
     "Box", "ContactLaw", "Cylinder", "EnergyBudget", "Enforce2D", "EulerSphere", "Freeze", "Gravity", "LostParticles", "Neighbor", "NveSphere",
-    "Particles", "Plane", "Scene", "SetForce", "Simulation", "Slab", "Sleep", "Unstable", "Viscous", "Wall",
+    "Particles", "Plane", "Rotation", "Scene", "SetForce", "Simulation", "Slab", "Sleep", "Unstable", "Viscous", "Wall",
 ]  # fmt: skip

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from demsolver.bind_law import goes_beyond, memory_signs
-from demsolver.scene import Cylinder, Enforce2D, Freeze, Gravity, Plane, Scene, SetForce, Slab, Viscous, Wall
+from demsolver.scene import Cylinder, Enforce2D, Freeze, Gravity, Plane, Rotation, Scene, SetForce, Slab, Viscous, Wall
 from demsolver.state import Floats, selected
 
 HERE = Path(__file__).parent
@@ -38,6 +38,9 @@ def _slab(shape: Slab, closed: bool) -> str:
 """
 
 
+SIDES = {"both": "", "in": " and off < geometry[2]", "out": " and off > geometry[2]"}
+
+
 def _cylinder(shape: Cylinder, closed: bool) -> str:
     a = shape.axis
     u, v = (a + 1) % 3, (a + 2) % 3
@@ -51,12 +54,26 @@ def _cylinder(shape: Cylinder, closed: bool) -> str:
         way = geometry[2] - off
         rw, sign = (-2.0 * geometry[2], -1.0) if off < geometry[2] else (2.0 * geometry[2], 1.0)
         way = abs(way)
-        touches = off > 0.0 and way > 0.0 and way {touch} b.radius[i] + gap
+        touches = off > 0.0 and way > 0.0 and way {touch} b.radius[i] + gap{SIDES[shape.side]}
         nx = ny = nz = 0.0
         reff = {curved}
         if touches:
             nx, ny, nz = {", ".join(normal)}
 {SURFACE}
+"""
+
+
+def _rotation_source(shape: Slab | Cylinder | Plane) -> str:
+    """What the rotation of a cylinder adds to the velocity of its surface; du, dv lead from its axis to the particle."""
+    if not isinstance(shape, Cylinder) or shape.rotation is None:
+        return ""
+    u, v = ("xyz"[(shape.axis + k) % 3] for k in (1, 2))
+    scale = " * geometry[2] / off if off > 0.0 else 0.0" if shape.rotation.at == "surface" else ""
+    return f"""
+        rate, turning = (geometry[9], geometry[6:9]) if advance else (geometry[10], geometry[11:14])
+        turn = rate{scale}
+        wv{u} -= turn * dv
+        wv{v} += turn * du
 """
 
 
@@ -89,6 +106,7 @@ def _geometry_source(wall: Wall) -> str:
 def wall_geometry(wall: Wall) -> Floats:
     """Numbers that the generated wall code reads. Slab: lo, hi, 0; cylinder: centre and radius; both: surface velocity (3), no spin (3).
 
+    Cylinder that turns: its angular velocity in place of no spin, where rolling knows it, and its rate; then rate and spin at set-up.
     Plane: unit normal (3), pivot (3), distance of the plane from the pivot along the normal, velocity (3), omega (3), surface velocity (3).
     """
     shape = wall.shape
@@ -97,7 +115,16 @@ def wall_geometry(wall: Wall) -> Floats:
         normal = np.array(shape.normal) / size
         return np.array([*normal, *shape.pivot, -shape.offset / size - normal @ np.array(shape.pivot), *shape.velocity, *shape.omega, *wall.velocity])
     numbers = (shape.lo, shape.hi, 0.0) if isinstance(shape, Slab) else (*shape.center, shape.radius)
+    if isinstance(shape, Cylinder) and shape.rotation:
+        return np.array([*numbers, *wall.velocity, *_rotation_numbers(shape.axis, shape.rotation)])
     return np.array([*numbers, *wall.velocity, 0.0, 0.0, 0.0])
+
+
+def _rotation_numbers(axis: int, rotation: Rotation) -> Floats:
+    """(8,) spin and rate in a step, rate and spin at set-up."""
+    spin = rotation.rate * float(rotation.rolls) * np.eye(3)[axis]
+    share = float(not rotation.still_at_setup)
+    return np.array([*spin, rotation.rate, share * rotation.rate, *(share * spin)])
 
 
 MOVE = """
@@ -149,7 +176,7 @@ def walls_source(scene: Scene) -> str:
         overlap = {overlap}"""
         held = f"wall{k}_stored(memory, i, -gap, b.radius[i], 0.0, reff, b.mass[i], 0.0, dt, coefficients, b.kind[i])[0]"
         snap = f"\n            if BUDGET and advance:\n                tally[0] -= {held}" if goes_beyond(wall.law) else ""
-        forces.append(f"""{head}
+        forces.append(f"""{head}{_rotation_source(wall.shape)}
         if touches:
             touching[i] = 1
             wall{k}_force(i, nx, ny, nz, overlap, reff, wvx, wvy, wvz, turning, b, memory, coefficients, dt, advance, tally)

@@ -96,6 +96,8 @@ def _check_shape(shape: Slab | Cylinder | Plane, where: str) -> None:
     _within(f"{where}: axis", shape.axis, 0, 2)
     if isinstance(shape, Cylinder):
         _within(f"{where}: radius", shape.radius, 0.0, inf, open_below=True)
+        if shape.rotation:
+            _within(f"{where}: rate", shape.rotation.rate, -inf, inf)
     elif not shape.lo < shape.hi:
         message = f"{where}: lo must be below hi, got {shape.lo:g} and {shape.hi:g}"
         raise ValueError(message)

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from math import sqrt
 from typing import Any
@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from demsolver import contact
 from demsolver.bind_law import in_use
-from demsolver.scene import Box, ContactLaw, Cylinder, Freeze, Plane, Scene, Slab, Wall
+from demsolver.scene import Box, ContactLaw, Cylinder, Freeze, Plane, Rotation, Scene, Slab, Wall
 
 Floats = NDArray[np.float64]
 Key = tuple[str, int, int]
@@ -75,6 +75,7 @@ def forces(
     force, torque = np.zeros_like(x), np.zeros_like(x)
     kept = dict(history) if scene.history_outlives_contact else {}
     new = {key: s for key, s in kept.items() if key[0] == "pair"}
+    scene = scene if advance else _at_setup(scene)
     radius = scene.particles.radius
     for touch in touches(scene, x, v, omega, history):
         act = action(touch, history.get(touch.key), scene.timestep, advance)
@@ -87,6 +88,18 @@ def forces(
             force[touch.partner] -= pull
             torque[touch.partner] += _arm(touch.law.torque_arm, radius[touch.partner], touch.overlap) * turn - _share(touch) * act.rolling
     return force, torque, new
+
+
+def _at_setup(scene: Scene) -> Scene:
+    """The scene with the walls at rest that a set-up finds so."""
+    return replace(scene, walls=tuple(_still(wall) for wall in scene.walls))
+
+
+def _still(wall: Wall) -> Wall:
+    shape = wall.shape
+    if not isinstance(shape, Cylinder) or shape.rotation is None or not shape.rotation.still_at_setup:
+        return wall
+    return replace(wall, shape=replace(shape, rotation=None))
 
 
 def _share(touch: Touch) -> float:
@@ -160,10 +173,11 @@ def _wall_touch(
     overlap = radius - distance if beyond else max(radius - distance, TOUCHING)
     spin = _arm(wall.law.surface_arm, radius, overlap) * omega[i]
     mass = float(scene.particles.mass[i])
-    against = v[i] - np.array(wall.velocity) - _plane_velocity(wall.shape, x[i] - away)
+    against = v[i] - np.array(wall.velocity) - _shape_velocity(wall.shape, x[i], away)
     inertia = scene.rolling_inertia * mass * radius**2
-    w = omega[i] - (np.array(wall.shape.omega) if isinstance(wall.shape, Plane) else 0.0)
-    yield Touch(key, wall.law, row, i, None, away / distance, overlap, reff, mass, against, spin, w, radius, np.inf, inertia)
+    rotation = _rotation(wall.shape)
+    turning = np.array(wall.shape.omega) if isinstance(wall.shape, Plane) else _spin(wall.shape) if rotation and rotation.rolls else np.zeros(3)
+    yield Touch(key, wall.law, row, i, None, away / distance, overlap, reff, mass, against, spin, omega[i] - turning, radius, np.inf, inertia)
 
 
 def _away(shape: Slab | Cylinder | Plane, x: Floats) -> Floats:
@@ -176,11 +190,26 @@ def _away(shape: Slab | Cylinder | Plane, x: Floats) -> Floats:
     return _slab(shape, x) if isinstance(shape, Slab) else _cylinder(shape, x)
 
 
-def _plane_velocity(shape: Slab | Cylinder | Plane, at: Floats) -> Floats:
-    """Velocity of a moving plane at the point `at`; planes stand where the scene has them."""
-    if not isinstance(shape, Plane):
+def _shape_velocity(shape: Slab | Cylinder | Plane, x: Floats, away: Floats) -> Floats:
+    """Velocity by its own motion of a wall that a particle at x touches at x - away; planes stand where the scene has them."""
+    if isinstance(shape, Plane):
+        return np.array(shape.velocity) + np.cross(shape.omega, x - away - np.array(shape.pivot))
+    rotation = _rotation(shape)
+    if not isinstance(shape, Cylinder) or rotation is None:
         return np.zeros(3)
-    return np.array(shape.velocity) + np.cross(shape.omega, at - np.array(shape.pivot))
+    center = np.zeros(3)
+    center[[(shape.axis + 1) % 3, (shape.axis + 2) % 3]] = shape.center
+    return np.asarray(np.cross(_spin(shape), (x - away if rotation.at == "surface" else x) - center))
+
+
+def _rotation(shape: Slab | Cylinder | Plane) -> Rotation | None:
+    return shape.rotation if isinstance(shape, Cylinder) else None
+
+
+def _spin(shape: Slab | Cylinder) -> Floats:
+    """Angular velocity (3,) of a cylinder that turns."""
+    rotation = _rotation(shape)
+    return np.asarray((rotation.rate if rotation else 0.0) * np.eye(3)[shape.axis])
 
 
 def _slab(slab: Slab, x: Floats) -> Floats:
@@ -201,7 +230,8 @@ def _cylinder(cylinder: Cylinder, x: Floats) -> Floats:
     axes, d = _across(cylinder, x)
     off = sqrt(float(d @ d))
     away = np.zeros(3)
-    away[axes] = d * ((off - cylinder.radius) / off) if off > 0.0 else 0.0
+    felt = cylinder.side == "both" or (off < cylinder.radius) == (cylinder.side == "in")
+    away[axes] = d * ((off - cylinder.radius) / off) if off > 0.0 and felt else 0.0
     return away
 
 

@@ -96,15 +96,34 @@ class Slab:
 
 
 @dataclass(frozen=True)
+class Rotation:
+    """How a wall turns about its own axis: its surface moves, its place does not. rate: angular velocity [rad/time], right-handed.
+
+    at: where the velocity rate x (r - axis) of the surface is taken, at the "surface" where it is touched (LAMMPS) or at the "center" of the
+        particle (LIGGGHTS), which from inside makes the surface slower.
+    rolls: whether rolling and twisting resist motion against the turning wall; in LAMMPS and LIGGGHTS they know the particle's spin alone.
+    still_at_setup: the set-up of a run finds the wall at rest (LAMMPS, which takes a rate from two steps).
+    """
+
+    rate: float
+    at: Literal["surface", "center"] = "surface"
+    rolls: bool = True
+    still_at_setup: bool = False
+
+
+@dataclass(frozen=True)
 class Cylinder:
     """An endless cylinder along `axis` (0, 1, 2) with `radius` about `center`, given for the two other axes in cyclic order
     (axis 2: x, y; axis 0: y, z; axis 1: z, x). `effective_radius`: "flat" uses R* = R (LIGGGHTS); "curved" uses
-    R* = R Rw/(R + Rw), Rw = -2 radius seen from inside and +2 radius from outside (LAMMPS)."""
+    R* = R Rw/(R + Rw), Rw = -2 radius seen from inside and +2 radius from outside (LAMMPS). `side`: who feels it, centres within
+    the radius ("in"), beyond it ("out"), or "both". `rotation`: None for a cylinder that does not turn."""
 
     axis: int
     center: tuple[float, float]
     radius: float
     effective_radius: Literal["flat", "curved"] = "flat"
+    side: Literal["both", "in", "out"] = "both"
+    rotation: Rotation | None = None
 
 
 @dataclass(frozen=True)

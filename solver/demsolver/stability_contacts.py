@@ -127,7 +127,8 @@ def _from_wall(shape: Slab | Cylinder | Plane, x: Floats, radius: Floats) -> tup
         axes = [(shape.axis + 1) % 3, (shape.axis + 2) % 3]
         d = x[:, axes] - np.array(shape.center)
         off = np.hypot(d[:, 0], d[:, 1])
-        away[:, axes] = d * np.where(off > 0.0, (off - shape.radius) / np.where(off > 0.0, off, 1.0), 0.0)[:, None]
+        felt = (off > 0.0) & ((shape.side == "both") | ((off < shape.radius) == (shape.side == "in")))
+        away[:, axes] = d * np.where(felt, (off - shape.radius) / np.where(off > 0.0, off, 1.0), 0.0)[:, None]
         if shape.effective_radius == "curved":
             curvature = np.where(off < shape.radius, -2.0, 2.0) * shape.radius
             reff = radius * curvature / (radius + curvature)
