@@ -14,6 +14,7 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Any, Literal, get_args
 
+from demverify.deck.rotating import region_of
 from demverify.deck.setup import Dialect, Setup, Spec
 from demverify.errors import InputError, Place
 
@@ -35,7 +36,7 @@ class Features:
     switches: limit_damping (LIGGGHTS limitForce), viscous, ktToKnUser. cylinders: axes x y z. computes, fixes: styles.
     thermo: columns.
     friction: some coefficient is not zero. tangential_damping: some law has it.
-    undamped_wall: a wall without normal damping. two_planes: a LAMMPS wall of two planes. discs: spheres integrated as discs.
+    undamped_wall: a wall without normal damping. two_planes: a LAMMPS wall of two planes. turning: a cylinder. discs: spheres integrated as discs.
     short_dumps: a dump without a format of its own. runs: number of `run` commands. particles: their number.
     """
 
@@ -56,6 +57,7 @@ class Features:
     frozen: bool = False
     undamped_wall: bool = False
     two_planes: bool = False
+    turning: bool = False
     discs: bool = False
     short_dumps: bool = False
     runs: int = 1
@@ -75,6 +77,7 @@ NEEDS: dict[str, Callable[[Features], bool]] = {
     "unlimited damping": lambda f: bool(f.damping - {"none"}) and "limit_damping" not in f.switches,
     "undamped wall": lambda f: f.undamped_wall,
     "two planes": lambda f: f.two_planes,
+    "turning cylinder": lambda f: f.turning,
     "several runs": lambda f: f.runs > 1,
     "one particle": lambda f: f.particles == 1,
     "two dimensions": lambda f: f.dimension == 2,
@@ -242,7 +245,7 @@ def features_of(setup: Setup, runs: int) -> Features:
         rolling=frozenset(law.rolling for law in laws) - {"none", "off"},
         twisting=frozenset(law.twisting for law in laws) - {"none", "off"},
         switches=frozenset[str]().union(*(law.switches for law in laws)),
-        cylinders=frozenset(word[0] for fix in _walls(setup) for word in fix.args if word.endswith("cylinder")),
+        cylinders=frozenset(_cylinder(setup, fix)[0] for fix in _walls(setup)) - {""},
         computes=frozenset(compute.style for compute in setup.computes.values()),
         fixes=frozenset(fix.style for fix in setup.fixes.values()),
         thermo=frozenset(setup.thermo.columns),
@@ -250,6 +253,7 @@ def features_of(setup: Setup, runs: int) -> Features:
         tangential_damping=any(law.rubs for law in laws) and (setup.dialect == "lammps" or _liggghts_rubs(setup)),
         frozen=any(fix.style == "freeze" for fix in setup.fixes.values()),
         undamped_wall=any(law.damping == "none" for fix in _walls(setup) for law in _wall_laws(fix)),
+        turning=any(_cylinder(setup, fix)[1] for fix in _walls(setup)),
         two_planes=any(_two_planes(fix.args) for fix in _walls(setup)),
         discs=any("disc" in fix.args or (setup.dialect, setup.dimension) == ("liggghts", 2) for fix in integrators),
         short_dumps=any(not dump.format for dump in setup.dumps.values()),
@@ -288,6 +292,16 @@ def _walls(setup: Setup) -> list[Spec]:
 
 def _wall_style(fix: Spec) -> str:
     return "region" if fix.style == "wall/gran/region" else fix.args[0]
+
+
+def _cylinder(setup: Setup, fix: Spec) -> tuple[str, bool]:
+    """Axis of a wall that is a cylinder, "" for another, and whether it turns."""
+    if fix.style == "wall/gran/region":
+        region = setup.regions.get(region_of(fix))
+        return ("xyz"[region.tube.axis], bool(region.angle)) if region and region.tube else ("", False)
+    axis = next((word[0] for word in fix.args if word.endswith("cylinder")), "")
+    sheared = fix.args[fix.args.index("shear") + 1 :][:1] if "shear" in fix.args else ()
+    return axis, bool(axis and sheared and sheared != (axis,))
 
 
 def _two_planes(words: tuple[str, ...]) -> bool:

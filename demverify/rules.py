@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from demsolver.scene import ContactLaw, Cylinder, Scene, Wall
+from demsolver.scene import ContactLaw, Cylinder, Rotation, Scene, Wall
 
 FRICTION = {"classic_history": "liggghts_history", "rotated_history": "liggghts_history"}
 """The spring both have, under its other rules. Springs that one of them alone has (mindlin_rescale ...) are another scene, not another rule."""
@@ -31,5 +31,10 @@ def _law(law: ContactLaw) -> ContactLaw:
 
 
 def _wall(wall: Wall) -> Wall:
-    shape = replace(wall.shape, effective_radius="flat") if isinstance(wall.shape, Cylinder) else wall.shape
+    shape = _cylinder(wall.shape) if isinstance(wall.shape, Cylinder) else wall.shape
     return replace(wall, law=_law(wall.law), shape=shape, touch_closed=True)
+
+
+def _cylinder(shape: Cylinder) -> Cylinder:
+    rotation = Rotation(shape.rotation.rate, "center", rolls=False) if shape.rotation else None
+    return replace(shape, effective_radius="flat", side="both", rotation=rotation)

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from demsolver.scene import Plane
+from demsolver.scene import Cylinder, Plane
 from demverify.deck import convert_laws as laws
 from demverify.deck.command import Executed
 from demverify.deck.scene_builder import LOST
@@ -202,7 +202,7 @@ class _Translator:
         index = names.index(words[1])
         wall = self.scene.walls[index]
         head = " ".join(("fix", words[1], words[2], "wall/gran"))
-        if any(wall.velocity) or (isinstance(wall.shape, Plane) and wall.shape.moving):
+        if any(wall.velocity) or (wall.shape.moving if isinstance(wall.shape, Plane) else isinstance(wall.shape, Cylinder) and wall.shape.rotation):
             message = f"fix {words[1]}: a moving wall is not converted"
             raise InputError(message, self.place)
         if self.target == "lammps":

@@ -175,8 +175,11 @@ def property_lines(tables: list[Table]) -> Iterator[str]:
 
 
 def _upright(wall: Wall, place: Place | None) -> Slab | Cylinder:
-    """The shape of a wall in the words both engines have. Raises InputError for a plane that stands across no axis, moves, or has one side."""
+    """The shape of a wall in the words both engines have. Raises InputError for one that stands across no axis, moves, or has one side."""
     shape = wall.shape
+    if isinstance(shape, Cylinder) and shape.side != "both":
+        message = f"wall {wall.name}: a cylinder that is felt from one side is not converted; write that wall by hand"
+        raise InputError(message, place)
     if not isinstance(shape, Plane):
         return shape
     across = [axis for axis, part in enumerate(shape.normal) if part != 0.0]

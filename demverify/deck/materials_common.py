@@ -106,16 +106,9 @@ def group_bit(setup: Setup, spec: Spec) -> int:
     return setup.groups[spec.group]
 
 
-def constant_shear(words: Words, forbidden: int | None, only: int | None) -> tuple[float, float, float]:
-    """`shear DIM V` as a velocity. forbidden: axis along which the wall cannot slide (a plane's normal). only: the one axis along
-    which sliding is a constant velocity (a cylinder's own; the others mean rotation)."""
-    axis = AXES.index(words.choice("shear direction", AXES))
-    speed = words.number("shear velocity")
-    if axis == forbidden:
-        raise words.error(f"cannot shear along {AXES[axis]}, the wall's own normal")
-    if only not in (None, axis):
-        raise words.error(f"shear {AXES[axis]} turns the cylinder: not supported yet; supported: shear {AXES[only or 0]}")
-    return tuple(speed if k == axis else 0.0 for k in range(3))  # type: ignore[return-value]
+def shear(words: Words) -> tuple[int, float]:
+    """`DIM V` behind the word shear: axis and number."""
+    return AXES.index(words.choice("shear direction", AXES)), words.number("shear velocity")
 
 
 def pair_tables(ntypes: int, pairs: dict[tuple[int, int], dict[str, float]]) -> dict[str, Floats]:

@@ -13,9 +13,9 @@ import numpy as np
 
 from demsolver.scene import Arm, ContactLaw, Cylinder, Plane, Slab, Wall
 from demverify.deck import materials_granular as granular
-from demverify.deck.materials_common import AXES, Words, constant_shear, group_bit, pair_tables
+from demverify.deck.materials_common import AXES, Words, group_bit, pair_tables, shear
 from demverify.deck.materials_granular_words import parse
-from demverify.deck.planes import checked, moving_plane, region_plane
+from demverify.deck.planes import check_across, checked, moving_plane, region_shape
 from demverify.deck.setup import Floats, Setup, Spec
 from demverify.errors import InputError, Place
 
@@ -178,7 +178,9 @@ def _granular_law(laws: granular.Laws, coefficients: dict[str, Floats], torque_a
 def _wall(setup: Setup, fix: Spec) -> Wall:
     words = Words(fix.args, f"fix {fix.id} {fix.style}", fix.place)
     law = _wall_law(words, words.choice("style", WALL_STYLES), setup.ntypes)
-    shape = region_plane(words, setup) if fix.style == "wall/gran/region" else _shape(words, setup)
+    if fix.style == "wall/gran/region":
+        return Wall(fix.id, checked(words, region_shape(words, setup), setup), law, group_bit(setup, fix))
+    shape = _shape(words, setup)
     velocity = (0.0, 0.0, 0.0)
     if isinstance(shape, Plane):
         return Wall(fix.id, checked(words, shape, setup), law, group_bit(setup, fix))
@@ -187,9 +189,21 @@ def _wall(setup: Setup, fix: Spec) -> Wall:
         if option == "wiggle":
             raise words.error("option wiggle is not supported yet; supported: shear, contacts")
         if option == "shear":
-            plane = isinstance(shape, Slab)
-            velocity = constant_shear(words, shape.axis if plane else None, None if plane else shape.axis)
+            velocity = _shear(words, shape)
     return Wall(fix.id, shape, law, group_bit(setup, fix), velocity)
+
+
+def _shear(words: Words, shape: Slab | Cylinder) -> tuple[float, float, float]:
+    axis, speed = shear(words)
+    if isinstance(shape, Slab) and axis == shape.axis:
+        raise words.error(f"cannot shear along {AXES[axis]}, the wall's own normal")
+    if isinstance(shape, Cylinder) and axis != shape.axis:
+        message = (
+            f"shear {AXES[axis]} should turn the cylinder, but in LAMMPS leaves its surface at rest in places (lammps-cylinder-shear);"
+            " what turns one: region ID cylinder ... rotate, with fix wall/gran/region"
+        )
+        raise words.error(message)
+    return tuple(speed if k == axis else 0.0 for k in range(3))  # type: ignore[return-value]
 
 
 def _wall_law(words: Words, style: str, ntypes: int) -> ContactLaw:
@@ -206,10 +220,7 @@ def _shape(words: Words, setup: Setup) -> Slab | Cylinder | Plane:
     if word == "plane":
         return moving_plane(words)
     axis = AXES.index(word[0])
-    walled = (axis,) if word in PLANES else (0, 1)
-    periodic = [k for k in walled if setup.boundary[k] == "pp"]
-    if periodic:
-        raise words.error(f"{word} cannot stand in the periodic direction {AXES[periodic[0]]}")
+    check_across(words, (axis,) if word in PLANES else (0, 1), word, setup)
     if word in PLANES:
         return Slab(axis, words.number_or("lower plane", -inf), words.number_or("upper plane", inf))
     return Cylinder(axis, (0.0, 0.0), words.positive("radius"), "curved")

@@ -11,8 +11,8 @@ from math import inf, pi, sqrt
 
 import numpy as np
 
-from demsolver.scene import ContactLaw, Cylinder, Slab, Wall
-from demverify.deck.materials_common import AXES, Words, constant_shear, group_bit
+from demsolver.scene import ContactLaw, Cylinder, Rotation, Slab, Wall
+from demverify.deck.materials_common import AXES, Words, group_bit, shear
 from demverify.deck.properties_liggghts import Properties
 from demverify.deck.setup import Floats, Setup, Spec
 from demverify.errors import Place
@@ -235,11 +235,33 @@ def _wall(setup: Setup, fix: Spec) -> Wall:
     wall_type = words.integer("wall type", 1, setup.ntypes)
     shape = _shape(words)
     velocity = (0.0, 0.0, 0.0)
-    while words.skip("shear"):
-        velocity = constant_shear(words, None, None if isinstance(shape, Slab) else shape.axis)
+    if isinstance(shape, Cylinder):
+        shape, velocity = _moving_cylinder(words, shape)
+    while words.skip("shear"):  # of several the last counts
+        axis, speed = shear(words)
+        velocity = _along(axis, speed)
     law = _law(setup, _switches(words, model))
     column = {name: np.ascontiguousarray(table[:, wall_type - 1]) for name, table in law.coefficients.items()}
     return Wall(fix.id, shape, replace(law, coefficients=column), group_bit(setup, fix), velocity, touch_closed=True)
+
+
+def _moving_cylinder(words: Words, shape: Cylinder) -> tuple[Cylinder, tuple[float, float, float]]:
+    """`shear DIM V`: velocity V along the axis; any other DIM turns the cylinder with V, radian per time, right-handed about its axis, the velocity
+    taken at the centre of the sphere; rolling friction does not know of it (all measured)."""
+    if not words.skip("shear"):
+        return shape, _along(shape.axis, 0.0)
+    axis, speed = shear(words)
+    if words.peek() == "shear":
+        raise words.error("a cylinder takes one shear: of several LIGGGHTS keeps one")
+    if axis == shape.axis:
+        return shape, _along(axis, speed)
+    if shape.axis == 1:
+        raise words.error("a ycylinder is not turned by shear, but strained (liggghts-ycylinder-shear); supported: xcylinder, zcylinder")
+    return replace(shape, rotation=Rotation(speed, "center", rolls=False)), _along(shape.axis, 0.0)
+
+
+def _along(axis: int, speed: float) -> tuple[float, float, float]:
+    return tuple(speed if k == axis else 0.0 for k in range(3))  # type: ignore[return-value]
 
 
 def _shape(words: Words) -> Slab | Cylinder:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,10 +18,22 @@ _FAR = 1e20  # what LAMMPS takes for INF
 
 
 @dataclass(frozen=True)
+class Tube:
+    """A cylinder. axis: 0, 1, 2; center: of the other two, ascending; endless: it has no caps; outer: the region lies outside."""
+
+    axis: int
+    center: tuple[float, float]
+    radius: float
+    endless: bool
+    outer: bool = False
+
+
+@dataclass(frozen=True)
 class Region:
     """inside: (n, 3) positions -> (n,) bool. lo, hi: (3,) bounds, None where it has none (side out, planes, unions).
 
-    plane: of style plane, its normal into the region (3) and offset d, n.x + d = 0.
+    plane: of style plane, its normal into the region (3) and offset d, n.x + d = 0. tube: of style cylinder, what it is as a wall.
+    angle: the variable that turns it, "" if none does; turns: 1 about the positive axis, -1 about the negative one.
     """
 
     style: str
@@ -29,6 +41,9 @@ class Region:
     lo: Floats | None = None
     hi: Floats | None = None
     plane: tuple[Floats, float] | None = None
+    tube: Tube | None = None
+    angle: str = ""
+    turns: float = 1.0
 
     def contains(self, x: Floats) -> Bools:
         """Which of the (n, 3) positions lie in the region."""
@@ -43,7 +58,7 @@ def read_region(setup: Setup, cmd: Command) -> Region:
         return _combined(setup, cmd, style)
     scale = region_scale(setup, cmd)
     region = {"block": _block, "cylinder": _cylinder, "sphere": _sphere, "plane": _plane}[style](setup, cmd, scale)
-    return _options(cmd, region)
+    return _options(setup, cmd, region, scale)
 
 
 def region_scale(setup: Setup, cmd: Command) -> Floats:
@@ -97,7 +112,7 @@ def _cylinder(setup: Setup, cmd: Command, scale: Floats) -> Region:
         distance = np.sqrt((x[:, a] - c1) * (x[:, a] - c1) + (x[:, b] - c2) * (x[:, b] - c2))
         return np.asarray((distance <= radius) & (x[:, axis] >= low) & (x[:, axis] <= high))
 
-    return Region("cylinder", inside, lo, hi)
+    return Region("cylinder", inside, lo, hi, tube=Tube(axis, (float(c1), float(c2)), float(radius), low <= -_FAR and high >= _FAR))
 
 
 def _sphere(setup: Setup, cmd: Command, scale: Floats) -> Region:
@@ -125,21 +140,40 @@ def _combined(setup: Setup, cmd: Command, style: str) -> Region:
     count = cmd.integer("number of regions", low=2)
     parts = [find_region(setup, cmd, cmd.take("region ID")) for _ in range(count)]
     together = np.logical_or if style == "union" else np.logical_and
-    return _options(cmd, Region(style, lambda x: np.asarray(together.reduce([part.contains(x) for part in parts]))))
+    return _options(setup, cmd, Region(style, lambda x: np.asarray(together.reduce([part.contains(x) for part in parts]))), np.ones(3))
 
 
-def _options(cmd: Command, region: Region) -> Region:
+def _options(setup: Setup, cmd: Command, region: Region, scale: Floats) -> Region:
     side = "in"
     while cmd:
-        keyword = cmd.choice("keyword", ("side", "units"))
+        keyword = cmd.choice("keyword", ("side", "units", "rotate") if setup.dialect == "lammps" else ("side", "units"))
         if keyword == "side":
             side = cmd.choice("side", ("in", "out"))
+        elif keyword == "rotate":
+            region = _turning(cmd, region, scale)
         else:
             cmd.choice("units", ("lattice", "box"))
     if side == "in":
         return region
     plane = None if region.plane is None else (-region.plane[0], -region.plane[1])
-    return Region(region.style, lambda x: ~region.contains(x), plane=plane)
+    tube = None if region.tube is None else replace(region.tube, outer=True)
+    return replace(region, inside=lambda x: ~region.contains(x), lo=None, hi=None, plane=plane, tube=tube)
+
+
+def _turning(cmd: Command, region: Region, scale: Floats) -> Region:
+    """`rotate v_theta Px Py Pz Rx Ry Rz`: of a cylinder about its own axis, so that it stays what it is."""
+    variable = cmd.take("v_theta")
+    if not variable.startswith("v_"):
+        raise cmd.error(f"the angle of rotate must be a variable, v_NAME, got {variable!r}")
+    point, direction = np.array(cmd.vector("px", "py", "pz")) * scale, np.array(cmd.vector("rx", "ry", "rz"))
+    tube = region.tube
+    if tube is None or np.delete(direction, tube.axis).any() or tuple(np.delete(point, tube.axis)) != tube.center:
+        raise cmd.error("rotate is supported for a cylinder about its own axis alone")
+    turns = float(direction[tube.axis])
+    if abs(turns) != 1.0:
+        fault = "LAMMPS turns the surface so much faster (lammps-region-axis-length)"
+        raise cmd.error(f"the axis of rotate must have the length 1, got {abs(turns):g}: {fault}")
+    return replace(region, angle=variable[2:], turns=turns)
 
 
 def find_region(setup: Setup, cmd: Command, name: str) -> Region:

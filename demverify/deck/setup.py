@@ -12,6 +12,7 @@ from demverify.errors import Place
 
 if TYPE_CHECKING:
     from demsolver.scene import Box
+    from demverify.deck.rotating import Turn
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -116,6 +117,7 @@ class Setup:
     timestep: float | None = None  # None: the default of the units
     step: int = 0
     time: float = 0.0
+    turns: dict[str, Turn] = field(default_factory=dict)  # of the last run: how the regions turned that are walls
     soft_particles: bool = False  # LIGGGHTS: lifts the lower bound on youngsModulus
     hard_particles: bool = False  # LIGGGHTS: lifts the upper one
     variables: Any = None  # the deck's demverify.deck.variables.Variables, for v_name in thermo and print lines

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Mapping, Sequence
+from copy import copy
 from dataclasses import dataclass
 
 from demverify.deck.formula import FormulaError, Names, evaluate, evaluate_condition
@@ -114,6 +115,18 @@ class Variables:
         if isinstance(variable, _Formula) and variable.style == "equal":
             return self._formula_of(name, variable.text, place)
         return self.number(name, place)
+
+    def at(self, clock: Mapping[str, float]) -> Variables:
+        """The same variables at another time: of the simulation they know these values alone, and say so of others."""
+
+        def live(name: str) -> float:
+            if name not in clock:
+                raise FormulaError(f"{name} is not one of {', '.join(clock)}, on which alone it may depend here")
+            return clock[name]
+
+        other = copy(self)
+        other._live = live
+        return other
 
     def evaluate(self, formula: str, place: Place) -> float:
         """The value of a formula. Raises InputError naming the formula and what is wrong with it."""

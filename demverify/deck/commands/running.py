@@ -6,6 +6,7 @@ from demverify.deck.command import Command, command
 from demverify.deck.commands.group import known_group
 from demverify.deck.commands.space import need_box
 from demverify.deck.interpreter import Interpreter
+from demverify.deck.rotating import turns_of
 from demverify.deck.scene_builder import check_particles
 
 _LAST_STEP = 2**63 - 1  # as in the engines
@@ -56,6 +57,7 @@ def run(deck: Interpreter, cmd: Command) -> None:
             cmd.integer(keyword, 0)  # for ramped fixes, of which there are none here
     if deck.setup.atoms:
         check_particles(deck.setup.atoms, cmd.place)
+    deck.setup.turns = turns_of(deck.setup, steps)
     deck.backend.run(deck.setup, steps)
 
 

@@ -113,7 +113,7 @@ WRONG = {
     f"fix w all wall/gran {LAW} plane 0 1 1 0": "the plane is tilted against the periodic direction y",
     f"fix w all wall/gran {LAW} plane 0 0 1 0 rotate 0 0 0 0 0 1": "the plane turns about another axis than the periodic direction y",
     f"fix w all wall/gran {LAW} region b": "takes a region as fix wall/gran/region alone",
-    f"fix w all wall/gran/region {LAW} region b": "region b is a block: supported as a wall is plane alone",
+    f"fix w all wall/gran/region {LAW} region b": "region b is a block: supported as walls are plane, cylinder",
     f"fix w all wall/gran/region {LAW} region c": "region 'c' does not exist; defined: b",
     f"fix w all wall/gran/region {LAW} zplane 0 1": "wall 'zplane' is not one of region",
     f"region p plane 0 0 0 0 0 1 units box\nfix w all wall/gran/region {LAW} region p shear x 1": "does not know 'shear' at this point",

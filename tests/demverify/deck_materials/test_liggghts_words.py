@@ -7,7 +7,7 @@ from math import inf, log, pi, sqrt
 import numpy as np
 import pytest
 
-from demsolver.scene import ContactLaw, Cylinder, Slab
+from demsolver.scene import ContactLaw, Cylinder, Rotation, Slab
 from demverify.deck import materials_liggghts
 from demverify.deck.setup import Setup
 from demverify.errors import InputError
@@ -170,11 +170,15 @@ def test_walls() -> None:
         *lines(**ROLLING),
         f"fix a all wall/gran {HERTZ} primitive type 2 xplane 0.5 shear y 0.3 limitForce on",
         f"fix b all wall/gran {HERTZ} cohesion sjkr rolling_friction cdt primitive type 1 ycylinder 5 1 2 torsionTorque on tangential_reduce on",
+        f"fix c all wall/gran {HERTZ} primitive type 1 xcylinder 5 1 2 shear z -3 limitForce on",
+        f"fix d all wall/gran {HERTZ} primitive type 1 ycylinder 5 1 2 shear y -3",
     ]
-    plane, cylinder = materials_liggghts.walls(setup_of(deck, "liggghts"))
+    plane, cylinder, turning, sliding = materials_liggghts.walls(setup_of(deck, "liggghts"))
     assert plane.shape == Slab(0, 0.5, inf)
     assert (plane.velocity, plane.touch_closed, plane.law.limit_damping) == ((0.0, 0.3, 0.0), True, True)
-    assert cylinder.shape == Cylinder(1, (1.0, 2.0), 5.0, "flat")
+    assert cylinder.shape == sliding.shape == Cylinder(1, (1.0, 2.0), 5.0, "flat")
+    assert turning.shape == Cylinder(0, (1.0, 2.0), 5.0, "flat", rotation=Rotation(-3.0, "center", rolls=False))
+    assert (turning.velocity, sliding.velocity) == ((0.0, 0.0, 0.0), (0.0, -3.0, 0.0))
     assert plane.law.coefficients["mu"].tolist() == [0.3, 0.2]
     assert cylinder.law.coefficients["mu"].tolist() == [0.5, 0.3]
     assert (plane.law.rolling, plane.law.cohesion) == ("none", "none")
@@ -276,7 +280,9 @@ WRONG_WALLS = {
     "primitive type 1 zplane": "ends where position was expected",
     "primitive type 1 ycylinder 1 2": "ends where x of the centre was expected",
     "primitive type 1 zcylinder 0 0 0": "radius must be positive",
-    "primitive type 1 zcylinder 1 0 0 shear x 3": "shear x turns the cylinder: not supported yet; supported: shear z",
+    "primitive type 1 zcylinder 1 0 0 shear x 3 shear z 1": "a cylinder takes one shear: of several LIGGGHTS keeps one",
+    "primitive type 1 ycylinder 1 0 0 shear z 3": "a ycylinder is not turned by shear, but strained",
+    "primitive type 1 zcylinder 1 0 0 shear x fast": "shear velocity must be a number, got 'fast'",
     "primitive type 1 zplane 0 limitForce": "ends where switch limitForce was expected",
     "primitive type 1 zplane 0 limitForce on shear x 1": "switch of model hertz 'shear' is not one of",
 }

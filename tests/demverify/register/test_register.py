@@ -317,3 +317,20 @@ def test_two_planes_of_one_fix(wall: str, both: bool) -> None:
 
     assert _two_planes(tuple(f"granular hooke 1e4 0.0 damping velocity {wall}".split())) is both
     assert not _two_planes(("model", "hooke", "primitive", "type", "1", "zplane", "0.0", "shear", "x"))
+
+
+@pytest.mark.parametrize(
+    ("wall", "axis", "turns"),
+    [
+        ("xcylinder 1 0 0 shear y 2", "x", True),
+        ("zcylinder 1 0 0 shear z 2", "z", False),
+        ("zcylinder 1 0 0", "z", False),
+        ("zplane 0 shear x 1", "", False),
+    ],
+)
+def test_cylinders_that_turn(wall: str, axis: str, turns: bool) -> None:
+    """Law: shear across the axis turns a cylinder, shear along it and that of a plane does not."""
+    setup = Setup("liggghts")
+    setup.fixes["w"] = Spec("w", "all", "wall/gran", ("model", "hooke", "primitive", "type", "1", *wall.split()), Place(Path("in.case"), 1))
+    found = features_of(setup, runs=1)
+    assert (found.cylinders, found.turning) == (frozenset({axis} - {""}), turns)
