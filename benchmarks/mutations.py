@@ -96,6 +96,10 @@ MUTATIONS: dict[str, Mutation] = {
         "rolling resistance is half of what it should be", "contact/rolling_sds.py", "limit = rolling_friction * critical_force",
         "limit = 0.5 * rolling_friction * critical_force", ("rolling-decay-sds:mu0.1",),
     ),
+    "wall-rotation": Mutation(
+        "a turning wall has the velocity of its points at the sphere's centre, not at its surface", "bind_walls.py",
+        'if shape.rotation.at == "surface" else ""', 'if False else ""', ("cylinder-swing:turning",),
+    ),
     "memory-lost": Mutation(
         "a renewed neighbour list forgets the springs", "neighbor_rows.py", "to_memory[q, c] = memory[k, c]\n        elif c < base:",
         "to_memory[q, c] = 0.0\n        elif c < base:", ("chute",), form=False,
