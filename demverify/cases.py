@@ -4,7 +4,7 @@ title = "..."                            what = "one or two sentences for the re
 scenario = "oblique impact"              what physics; cases of one scenario stand together in the catalogue
 source = "DOI, or document and equation" where parameters and closed form come from
 accept = ["entry-id", ...]               known differences between the engines (register) that every variant lives with; one that explains none fails
-without = { liggghts = "why" }           an engine that this case cannot have
+without = { liggghts = "why" }           an engine that this case cannot have; a deck in its dialect is for native alone
 every = N                                steps between the frames that are compared; by default some 200 frames
 [[variant]]  name = "e0.8"  variables = { e = 0.8 }        the decks with these variables; title, accept: its own
 [[law]]  name = "slip_cessation"  tolerance = 1e-3  reason = "why this tolerance"  parameters = { restitution = "${e}" }
@@ -56,7 +56,8 @@ class Law:
 class Case:
     """What a comparison works on. decks: dialect -> deck, one or both. accept: ids of the register. variables: of the decks.
 
-    name: that of the folder, and of the variant behind a colon. without: engine -> why the case cannot have it."""
+    name: that of the folder, and of the variant behind a colon. without: engine -> why the case cannot have it; a deck in its dialect is native's
+    alone."""
 
     title: str
     decks: Mapping[Dialect, Path]

@@ -150,12 +150,12 @@ def _known_entries(accepted: Sequence[str]) -> None:
 
 
 def _run_dialect(work: _Work, dialect: Dialect) -> dict[str, Run]:
-    """The native engine, and the engine whose dialect this is."""
+    """The native engine, and the engine whose dialect this is, unless the case is without it."""
     label, asked = native_label(dialect, work.plans), work.settings.engines
     found: dict[str, Run] = {}
     if asked is None or "native" in asked:
         found[label] = execute("native", label, work.job(dialect, label), work.watch(label), keep=True, budget=work.settings.thorough)
-    if asked is None or dialect in asked:
+    if dialect not in work.case.without and (asked is None or dialect in asked):
         found[dialect] = execute(dialect, dialect, work.job(dialect, dialect), work.watch(dialect), keep=True)
     return found
 

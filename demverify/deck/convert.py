@@ -7,6 +7,7 @@ type of its own for a wall, their state at the first run is handed over in a dat
 from __future__ import annotations
 
 import itertools
+import re
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,6 +15,7 @@ from typing import TYPE_CHECKING
 
 from demsolver.scene import Cylinder, Plane
 from demverify.deck import convert_laws as laws
+from demverify.deck.atom_formula import COLUMNS
 from demverify.deck.command import Executed
 from demverify.deck.scene_builder import LOST
 from demverify.deck.setup import Dialect
@@ -120,12 +122,20 @@ class _Translator:
             yield from self._hand_over(name)
         elif name == "variable" and words[2:3] == ("equal",):
             yield f"variable {words[1]} equal \"{' '.join(words[3:])}\""
+        elif name == "variable" and words[2:3] == ("atom",):
+            yield f"variable {words[1]} atom \"{self._atom_formula(' '.join(words[3:]))}\""
         elif name == "thermo_modify":
             yield from self._thermo_modify(words)
         elif name in COMMANDS:
             yield from COMMANDS[name](self, words)
         elif name not in DROPPED:
             yield executed.text.strip()
+
+    def _atom_formula(self, formula: str) -> str:
+        """The formula with the other engine's words for what a particle has."""
+        theirs = COLUMNS[self.plan.dialect]
+        ours = {column: word for word, column in COLUMNS[self.target].items()}
+        return re.sub(r"[A-Za-z_]\w*", lambda word: ours[theirs[word[0]]] if word[0] in theirs else word[0], formula)
 
     def _hand_over(self, name: str) -> Iterator[str]:
         if not self._handed and name in ("create_box", "read_data"):

@@ -45,7 +45,7 @@ class DryBackend:
         kept = copy(setup)
         kept.variables = None
         kept = deepcopy(kept)
-        kept.variables = setup.variables
+        kept.variables = setup.variables.snapshot() if setup.variables else None
         self.runs.append(DryRun(kept, steps))
         setup.step += steps
         setup.time += steps * setup.dt

@@ -7,9 +7,11 @@ from math import cos, pi, sin, sqrt
 
 import numpy as np
 
-from demsolver.scene import Enforce2D, EulerSphere, Force, Freeze, Gravity, NveSphere, SetForce, Viscous
+from demsolver.expression import Expression, Number
+from demsolver.scene import AddForce, Enforce2D, EulerSphere, Force, Freeze, Gravity, NveSphere, SetForce, Viscous
 from demverify.deck.materials_common import Words, group_bit
 from demverify.deck.setup import Setup, Spec
+from demverify.errors import InputError
 
 
 def _words(spec: Spec) -> Words:
@@ -91,6 +93,31 @@ def viscous(setup: Setup, spec: Spec) -> Viscous:
     return Viscous(gamma, group_bit(setup, spec))
 
 
+def _added_words(setup: Setup, spec: Spec) -> tuple[str, str, str]:
+    """The words of fix addforce: three numbers or v_names, which may be defined up to the run."""
+    words = _words(spec)
+    x, y, z = (words.take("a variable") if words.peek().startswith("v_") else repr(words.number(f"f{axis}")) for axis in "xyz")
+    if words:
+        raise words.error(f"keyword {words.peek()!r} (every, region, energy ...) is not supported: the force acts in every step and everywhere")
+    return x, y, z
+
+
+def addforce(setup: Setup, spec: Spec) -> AddForce:
+    """fix addforce fx fy fz: numbers, or v_NAME of equal-style or atom-style variables as they are at the begin of the run."""
+    x, y, z = (_component(setup, spec, word) for word in _added_words(setup, spec))
+    return AddForce((x, y, z), group_bit(setup, spec))
+
+
+def _component(setup: Setup, spec: Spec, word: str) -> Expression:
+    if not word.startswith("v_"):
+        return Number(float(word))
+    try:
+        found: Expression = setup.variables.expression(word[2:], setup, spec.place)
+    except InputError as error:
+        raise InputError(f"fix {spec.id} {spec.style}: {error.message}", spec.place) from None
+    return found
+
+
 def integrator(setup: Setup, spec: Spec) -> NveSphere | EulerSphere:
     """fix nve/sphere [disc]: discs, I = m R^2/2, are what LIGGGHTS takes in two dimensions (measured) and LAMMPS when asked.
 
@@ -111,6 +138,7 @@ FORCES: dict[str, Callable[[Setup, Spec], Force]] = {
     "enforce2d": enforce2d,
     "setforce": setforce,
     "viscous": viscous,
+    "addforce": addforce,
 }
 INTEGRATORS: dict[str, type[NveSphere | EulerSphere]] = {"nve/sphere": NveSphere, "euler/sphere": EulerSphere}
-CHECKS: dict[str, Callable[[Setup, Spec], object]] = {**FORCES, **dict.fromkeys(INTEGRATORS, integrator)}
+CHECKS: dict[str, Callable[[Setup, Spec], object]] = {**FORCES, "addforce": _added_words, **dict.fromkeys(INTEGRATORS, integrator)}

@@ -1,4 +1,4 @@
-"""Formulas of equal-style variables, evaluated as LAMMPS does: every binary operator binds to the left (2^3^2 = 64) and the unary
+"""Formulas of variables, read as LAMMPS does: every binary operator binds to the left (2^3^2 = 64) and the unary
 minus binds tighter than the power (-2^2 = 4). Measured on LAMMPS of 22 July 2025, see tests/demverify/deck/test_formula.py."""
 
 from __future__ import annotations
@@ -7,6 +7,9 @@ import math
 import re
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Generic, Protocol, TypeVar
+
+from demsolver.expression import FUNCTIONS, call
 
 _TOKEN = re.compile(
     r"\s*(?:(?P<number>(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)|(?P<name>[A-Za-z]\w*)|(?P<op>\|\||&&|\|\^|==|!=|<=|>=|[-+*/^%<>!()\[\],]))"
@@ -17,25 +20,7 @@ _CONSTANTS = {"PI": math.pi, "yes": 1.0, "no": 0.0, "on": 1.0, "off": 0.0, "true
 _RUN_FUNCTIONS = ("ramp", "stagger", "logfreq", "logfreq2", "logfreq3", "stride", "stride2", "vdisplace", "swiggle", "cwiggle")
 _RANDOM_FUNCTIONS = ("random", "normal")
 _GROUP_FUNCTIONS = ("count", "mass", "xcm", "vcm", "fcm", "ke", "bound", "angmom", "omega", "gyration", "torque", "inertia")
-_FUNCTIONS: dict[str, tuple[int, Callable[..., float]]] = {
-    "sqrt": (1, math.sqrt),
-    "exp": (1, math.exp),
-    "ln": (1, math.log),
-    "log": (1, math.log10),
-    "abs": (1, abs),
-    "sign": (1, lambda a: 1.0 if a >= 0 else -1.0),
-    "sin": (1, math.sin),
-    "cos": (1, math.cos),
-    "tan": (1, math.tan),
-    "asin": (1, math.asin),
-    "acos": (1, math.acos),
-    "atan": (1, math.atan),
-    "atan2": (2, math.atan2),
-    "ceil": (1, math.ceil),
-    "floor": (1, math.floor),
-    "round": (1, lambda a: math.ceil(a) if a - math.floor(a) >= 0.5 else math.floor(a)),  # halves go up, also below zero
-    "ternary": (3, lambda test, a, b: a if test else b),
-}
+_FUNCTIONS = {name: count for name, (count, _) in FUNCTIONS.items() if name.isalnum() and name != "negate"}
 
 
 class FormulaError(ValueError):
@@ -52,15 +37,64 @@ class Names:
     live: Callable[[str], float]
 
 
-def evaluate(text: str, names: Names) -> float:
-    """The finite value of a formula. Raises FormulaError."""
-    parser = _Parser(_tokens(text), names)
+T = TypeVar("T")
+
+
+class Meaning(Protocol[T]):
+    """What the parts of a formula become as it is read. function: a name of demsolver.expression.FUNCTIONS. Each may raise FormulaError."""
+
+    def number(self, value: float) -> T:
+        """A constant."""
+
+    def variable(self, name: str) -> T:
+        """v_name."""
+
+    def live(self, keyword: str) -> T:
+        """Any other name, as in Names."""
+
+    def index(self, value: T) -> int:
+        """What stands in brackets, as in x[3]."""
+
+    def call(self, function: str, arguments: list[T]) -> T:
+        """A function or an operator of what was read."""
+
+
+def read(text: str, meaning: Meaning[T]) -> T:
+    """What a formula becomes. Raises FormulaError."""
+    parser = _Parser(_tokens(text), meaning)
     try:
-        value = parser.expression(1)
+        found = parser.expression(1)
     except RecursionError:
         raise FormulaError("it is nested too deeply") from None
     parser.expect_end()
-    return _finite(value, text)
+    return found
+
+
+def evaluate(text: str, names: Names) -> float:
+    """The finite value of a formula. Raises FormulaError."""
+    return _finite(read(text, _Numbers(names)), text)
+
+
+@dataclass(frozen=True)
+class _Numbers:
+    """Formulas whose parts are numbers at once."""
+
+    names: Names
+
+    def number(self, value: float) -> float:
+        return value
+
+    def variable(self, name: str) -> float:
+        return self.names.variable(name)
+
+    def live(self, keyword: str) -> float:
+        return self.names.live(keyword)
+
+    def index(self, value: float) -> int:
+        return round(value)
+
+    def call(self, function: str, arguments: list[float]) -> float:
+        return apply(function, arguments)
 
 
 def evaluate_condition(text: str, names: Names, *, of_numbers: bool = False) -> bool:
@@ -104,70 +138,65 @@ def _tokens(text: str) -> list[_Token]:
     return tokens
 
 
-class _Parser:
-    """Precedence climbing that computes while it reads."""
+class _Parser(Generic[T]):
+    """Precedence climbing that gives everything its meaning while it reads."""
 
-    def __init__(self, tokens: list[_Token], names: Names) -> None:
+    def __init__(self, tokens: list[_Token], meaning: Meaning[T]) -> None:
         self.tokens = tokens
-        self.names = names
+        self.meaning = meaning
         self.at = 0
 
-    def expression(self, lowest: int) -> float:
+    def expression(self, lowest: int) -> T:
         value = self.operand()
         while (precedence := _PRECEDENCE.get(self.peek(), 0)) >= lowest:
             operator = self.take()
-            value = _apply(operator, value, self.expression(precedence + 1))
+            value = self.meaning.call(operator, [value, self.expression(precedence + 1)])
         return value
 
-    def operand(self) -> float:
+    def operand(self) -> T:
         token = self.take()
         if token == "-":
-            return -self.operand()
+            return self.meaning.call("negate", [self.operand()])
         if token == "!":
-            return float(self.operand() == 0.0)
+            return self.meaning.call("!", [self.operand()])
         if token == "(":
             value = self.expression(1)
             self.expect(")")
             return value
         kind = self.tokens[self.at - 1].kind
         if kind == "number":
-            return float(token)
+            return self.meaning.number(float(token))
         if kind == "name":
             return self.named(token)
         raise FormulaError(f"expected a number or a name, got {token!r}")
 
-    def named(self, name: str) -> float:
+    def named(self, name: str) -> T:
         if self.peek() == "(":
             return self.function(name)
         if name in _CONSTANTS:
-            return _CONSTANTS[name]
+            return self.meaning.number(_CONSTANTS[name])
         if name.startswith("v_") and self.peek() != "[":
-            return self.names.variable(name[2:])
-        return self.names.live(name + self.indices())
+            return self.meaning.variable(name[2:])
+        return self.meaning.live(name + self.indices())
 
     def indices(self) -> str:
         text = ""
         while self.peek() == "[":
             self.take()
-            text += f"[{self.expression(1):.0f}]"
+            text += f"[{self.meaning.index(self.expression(1))}]"
             self.expect("]")
         return text
 
-    def function(self, name: str) -> float:
+    def function(self, name: str) -> T:
         if name in _GROUP_FUNCTIONS:
-            return self.names.live(f"{name}({','.join(self.raw_arguments())})")
+            return self.meaning.live(f"{name}({','.join(self.raw_arguments())})")
         _refuse_function(name)
-        count, function = _FUNCTIONS[name]
-        values = self.arguments()
+        count, values = _FUNCTIONS[name], self.arguments()
         if len(values) != count:
             raise FormulaError(f"{name}() expects {count} argument{'s' * (count > 1)}, got {len(values)}")
-        try:
-            return float(function(*values))
-        except (ValueError, OverflowError):
-            shown = ", ".join(f"{value:g}" for value in values)
-            raise FormulaError(f"{name}({shown}) has no finite value") from None
+        return self.meaning.call(name, values)
 
-    def arguments(self) -> list[float]:
+    def arguments(self) -> list[T]:
         self.expect("(")
         values = [self.expression(1)]
         while self.peek() == ",":
@@ -214,32 +243,16 @@ def _refuse_function(name: str) -> None:
         raise FormulaError(f"{name}() is not one of {', '.join([*_FUNCTIONS, *_GROUP_FUNCTIONS])}")
 
 
-def _apply(operator: str, a: float, b: float) -> float:
-    if operator in "/%" and b == 0.0:
-        raise FormulaError("division by zero" if operator == "/" else "modulo zero")
-    try:
-        return float(_BINARY[operator](a, b))
-    except (ValueError, OverflowError):
-        raise FormulaError(f"{a:g}{operator}{b:g} has no finite value") from None
-
-
-_BINARY: dict[str, Callable[[float, float], float]] = {
-    "+": lambda a, b: a + b,
-    "-": lambda a, b: a - b,
-    "*": lambda a, b: a * b,
-    "/": lambda a, b: a / b,
-    "%": math.fmod,
-    "^": math.pow,
-    "==": lambda a, b: a == b,
-    "!=": lambda a, b: a != b,
-    "<": lambda a, b: a < b,
-    "<=": lambda a, b: a <= b,
-    ">": lambda a, b: a > b,
-    ">=": lambda a, b: a >= b,
-    "&&": lambda a, b: a != 0.0 and b != 0.0,
-    "||": lambda a, b: a != 0.0 or b != 0.0,
-    "|^": lambda a, b: (a != 0.0) != (b != 0.0),
-}
+def apply(function: str, values: list[float]) -> float:
+    """A function or an operator of numbers. Raises FormulaError where it has no finite value."""
+    if function in ("/", "%") and values[1] == 0.0:
+        raise FormulaError("division by zero" if function == "/" else "modulo zero")
+    found = call(function, *values)
+    if not math.isfinite(found):
+        shown = [f"{value:g}" for value in values]
+        text = function.join(shown) if function in _PRECEDENCE else f"{function}({', '.join(shown)})"
+        raise FormulaError(f"{text} has no finite value")
+    return found
 
 
 def _is_number(text: str) -> bool:

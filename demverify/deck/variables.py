@@ -4,14 +4,18 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping, Sequence
-from copy import copy
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from copy import copy, deepcopy
 from dataclasses import dataclass
 
+from demsolver.expression import Expression, Number
+from demverify.deck.atom_formula import read_atom_formula, steady_value
 from demverify.deck.formula import FormulaError, Names, evaluate, evaluate_condition
+from demverify.deck.setup import Setup
 from demverify.errors import InputError, Place
 
-STYLES = ("index", "loop", "string", "equal", "format", "delete")
+STYLES = ("index", "loop", "string", "equal", "atom", "format", "delete")
 _QUOTE = re.compile(r'"""|"|\'|\$')
 _IMMEDIATE_FORMAT = re.compile(r"^(.*):(%[^:]*)$", re.DOTALL)
 _PRINTF = re.compile(r"%[-+ 0#]*\d{0,3}(\.\d{1,3})?[eEfFgG]")
@@ -36,7 +40,7 @@ class _Loop:
 
 @dataclass
 class _Formula:
-    """equal: a formula. format: the name of another variable, and how to print it."""
+    """equal: a formula. atom: one of each particle. format: the name of another variable, and how to print it."""
 
     style: str
     text: str
@@ -93,6 +97,8 @@ class Variables:
     def text(self, name: str, place: Place) -> str:
         """What ${name} stands for. Raises InputError."""
         variable = self._find(name, place)
+        if variable.style == "atom":
+            raise InputError(f"variable {name} is of style atom: it has a value for each particle, not one", place)
         if isinstance(variable, _Values):
             return variable.values[variable.at]
         if isinstance(variable, _Loop):
@@ -127,6 +133,33 @@ class Variables:
         other = copy(self)
         other._live = live
         return other
+
+    def expression(self, name: str, setup: Setup, place: Place) -> Expression:
+        """What v_name stands for in each step of a run, of an equal-style or atom-style variable. Raises InputError."""
+        variable = self._find(name, place)
+        if variable.style not in ("equal", "atom"):
+            raise InputError(f"variable {name} is of style {variable.style}; expected equal or atom", place)
+        steady = copy(self)
+        steady._live = lambda keyword: steady_value(keyword, setup.dt, setup.dialect)
+        if variable.style == "equal":
+            return Number(steady.exact(name, place))
+        return steady._expression_of(name, setup, place)
+
+    def _expression_of(self, name: str, setup: Setup, place: Place) -> Expression:
+        variable = self._find(name, place)
+        if not (isinstance(variable, _Formula) and variable.style == "atom"):
+            return Number(self.number(name, place))
+        with self._opened(name, place):
+            try:
+                return read_atom_formula(variable.text, setup.dialect, lambda inner: self._expression_of(inner, setup, place), self._live)
+            except FormulaError as error:
+                raise InputError(f"variable {name}, formula {variable.text!r}: {error}", place) from None
+
+    def snapshot(self) -> Variables:
+        """The variables as they are now: what the deck defines later does not change them."""
+        kept = copy(self)
+        kept._table = deepcopy(self._table)
+        return kept
 
     def evaluate(self, formula: str, place: Place) -> float:
         """The value of a formula. Raises InputError naming the formula and what is wrong with it."""
@@ -179,11 +212,16 @@ class Variables:
         return printf % self.evaluate(formula, place)
 
     def _formula_of(self, name: str, formula: str, place: Place) -> float:
+        with self._opened(name, place):
+            return self.evaluate(formula, place)
+
+    @contextmanager
+    def _opened(self, name: str, place: Place) -> Iterator[None]:
         if name in self._open:
             raise InputError(f"variable {name} is defined by itself: {' -> '.join([*self._open, name])}", place)
         self._open.append(name)
         try:
-            return self.evaluate(formula, place)
+            yield
         finally:
             self._open.pop()
 
@@ -201,7 +239,7 @@ def _new(name: str, style: str, args: Sequence[str], place: Place) -> _Values | 
         return _new_loop(name, list(args), place)
     if not args:
         raise InputError(f"variable {name} {style} expects a value", place)
-    if style == "equal":
+    if style in ("equal", "atom"):
         return _Formula(style, " ".join(args))
     if style == "index":
         return _Values(style, tuple(args))

@@ -9,6 +9,7 @@ simulation.bodies.force
 
 from demsolver.energy_budget import EnergyBudget
 from demsolver.scene import (
+    AddForce,
     Box,
     ContactLaw,
     Cylinder,
@@ -32,6 +33,6 @@ from demsolver.sleep import Sleep
 from demsolver.trouble import LostParticles, Unstable
 
 __all__ = [
-    "Box", "ContactLaw", "Cylinder", "EnergyBudget", "Enforce2D", "EulerSphere", "Freeze", "Gravity", "LostParticles", "Neighbor", "NveSphere",
-    "Particles", "Plane", "Rotation", "Scene", "SetForce", "Simulation", "Slab", "Sleep", "Unstable", "Viscous", "Wall",
+    "AddForce", "Box", "ContactLaw", "Cylinder", "EnergyBudget", "Enforce2D", "EulerSphere", "Freeze", "Gravity", "LostParticles", "Neighbor",
+    "NveSphere", "Particles", "Plane", "Rotation", "Scene", "SetForce", "Simulation", "Slab", "Sleep", "Unstable", "Viscous", "Wall",
 ]  # fmt: skip

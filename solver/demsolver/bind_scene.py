@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from demsolver.bind_law import coefficient_table, memory_signs
 from demsolver.bind_walls import wall_geometry
-from demsolver.scene import Gravity, Scene, SetForce, Viscous, Wall
+from demsolver.scene import AddForce, Gravity, Scene, SetForce, Viscous, Wall
 from demsolver.state import Floats, Ints
 
 
@@ -24,13 +24,14 @@ def pair_coefficients(scene: Scene, *, one: bool) -> Floats | tuple[float, ...]:
 
 
 def field_arrays(scene: Scene) -> tuple[Floats, Ints, Floats, Floats]:
-    """Numbers (f, 3) and group bits (f,) of the fields; of viscous ones coefficients by type, and room for what they took of each particle."""
+    """Numbers (f, 3) and group bits (f,) of the fields; of viscous ones coefficients by type; room for the last force (3,) on each particle of those
+    whose work is counted: viscous ones, then added forces."""
     drags = [f for f in scene.forces if isinstance(f, Viscous)]
     return (
         np.array([_field_numbers(f) for f in scene.forces]).reshape(-1, 3),
         np.array([f.bit for f in scene.forces], dtype=np.int64),
         np.array([d.gamma for d in drags], dtype=float).reshape(len(drags), scene.ntypes if drags else 0),
-        np.zeros((len(drags), len(scene.particles.id), 3)),
+        np.zeros((len(drags) + sum(isinstance(f, AddForce) for f in scene.forces), len(scene.particles.id), 3)),
     )
 
 

@@ -8,7 +8,8 @@ from pathlib import Path
 import numpy as np
 
 from demsolver.bind_law import goes_beyond, memory_signs
-from demsolver.scene import Cylinder, Enforce2D, Freeze, Gravity, Plane, Rotation, Scene, SetForce, Slab, Viscous, Wall
+from demsolver.expression import Number, Writer
+from demsolver.scene import AddForce, Cylinder, Enforce2D, Freeze, Gravity, Plane, Rotation, Scene, SetForce, Slab, Viscous, Wall
 from demsolver.state import Floats, selected
 
 HERE = Path(__file__).parent
@@ -267,21 +268,26 @@ def steady_source(scene: Scene) -> str:
         if isinstance(field, Gravity):
             lines.append(f"        if (b.mask[i] >> bits[{k}]) & 1:")
             lines += [f"            b.aside[i, {c}] += b.mass[i] * numbers[{k}, {c}]" for c in range(3)]
-    loop = "    numbers, bits, gammas, drag_memory = fields\n    for i in range(b.x.shape[0]):\n" + "\n".join(lines) if lines else "    pass"
+    loop = "    numbers, bits, gammas, last_force = fields\n    for i in range(b.x.shape[0]):\n" + "\n".join(lines) if lines else "    pass"
     return f"\n@compiled\ndef steady_forces(b, fields):\n    b.aside[:] = 0.0\n{loop}\n"
 
 
 def fields_source(scene: Scene, *, implicit: bool, rotates: bool) -> str:
     """Source of `field_forces`: the fields of the scene in their order, on one particle."""
-    lines, drags = [], 0
+    lines, drags, writer = [], 0, Writer()
+    adds = sum(isinstance(field, Viscous) for field in scene.forces)
     sums = ("force", "aside") if implicit else ("force",)
     for k, field in enumerate(scene.forces):
         lines.append(f"    if {member(scene, field.bit, f'bits[{k}]')}:")
         if isinstance(field, Gravity):
             lines += [f"        b.{array}[i, {c}] += b.mass[i] * numbers[{k}, {c}]" for array in sums for c in range(3)]
         elif isinstance(field, Viscous):
-            lines.append(f"        drag(i, gammas[{drags}, b.kind[i]], b, drag_memory[{drags}], dt, advance, tally)")
+            lines.append(f"        drag(i, gammas[{drags}, b.kind[i]], b, last_force[{drags}], dt, advance, tally)")
             drags += 1
+        elif isinstance(field, AddForce):
+            lines += _added_lines(field, adds, writer)
+            writer.names.clear()  # the next may stand behind another question
+            adds += 1
         elif isinstance(field, SetForce):
             lines += [f"        b.force[i, {c}] = numbers[{k}, {c}]" for c in range(3) if field.force[c] is not None] or ["        pass"]
         elif isinstance(field, Freeze):
@@ -289,8 +295,18 @@ def fields_source(scene: Scene, *, implicit: bool, rotates: bool) -> str:
         elif isinstance(field, Enforce2D):
             names = ("b.v[i, 2]", "b.force[i, 2]", "b.omega[i, 0]", "b.omega[i, 1]", "b.torque[i, 0]", "b.torque[i, 1]")
             lines += [f"        {name} = 0.0" for name in names]
-    loop = "    numbers, bits, gammas, drag_memory = fields\n" + "\n".join(lines) if lines else "    pass"
-    return f"\n@inlined\ndef field_forces(i, b, fields, dt, advance, tally):\n{loop}\n"
+    loop = "    numbers, bits, gammas, last_force = fields\n" + "\n".join(lines) if lines else "    pass"
+    head = "".join(f"{line}\n" for line in writer.imports())
+    return f"\n{head}\n@inlined\ndef field_forces(i, b, fields, dt, advance, tally):\n{loop}\n"
+
+
+def _added_lines(field: AddForce, k: int, writer: Writer) -> list[str]:
+    """Adds the values of the formulas to the force on particle i; k: where its last force is kept."""
+    lines = [line for component in field.force for line in writer.statements(component)]
+    for c, component in enumerate(field.force):
+        if component != Number(0.0):
+            lines.append(f"add(i, {c}, {writer.names[component]}, b, last_force[{k}], dt, advance, tally)")
+    return [f"        {line}" for line in lines or ["pass"]]
 
 
 def member(scene: Scene, bit: int, name: str) -> str:

@@ -9,7 +9,8 @@ import numpy as np
 
 from demsolver import contact
 from demsolver.bind_law import check_law, in_use, law_coefficients
-from demsolver.scene import ContactLaw, Cylinder, Plane, Scene, Slab
+from demsolver.expression import check_expression
+from demsolver.scene import AddForce, ContactLaw, Cylinder, Plane, Scene, Slab
 from demsolver.state import Floats
 
 RANGES: dict[str, tuple[float, float]] = {"log_restitution": (-inf, 0.0), "restitution": (0.0, 1.0)}
@@ -29,6 +30,9 @@ def check_scene(scene: Scene) -> None:
     for wall in scene.walls:
         check_coefficients(wall.law, (scene.ntypes,), f"wall {wall.name}")
         _check_shape(wall.shape, f"wall {wall.name}")
+    for field in scene.forces:
+        for expression in field.force if isinstance(field, AddForce) else ():
+            check_expression(expression)
     _within("skin", scene.neighbor.skin, 0.0, inf)
 
 

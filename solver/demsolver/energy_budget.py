@@ -12,7 +12,8 @@ class EnergyBudget:
     kinetic, rotational: of all particles. elastic_normal (cohesion included), elastic_tangential, elastic_rolling: in the contacts.
     gravitational: -sum m g.x, of unwrapped positions, relative to the origin. damped, rubbed, rolled, dragged: taken since the start by normal
     damping, by the tangential forces (their damping and their slip), by rolling and twisting torques, and by viscous drag, all of motion
-    against the surface that is touched. driven: given by walls that move. `total`, held plus taken less given, is what must stay put.
+    against the surface that is touched. driven: given by walls that move and by added forces, below zero where these brake. `total`, held plus
+    taken less given, is what must stay put.
     """
 
     kinetic: float

@@ -317,6 +317,16 @@ def wall_parting(i, base, wvx, wvy, wvz, turning, b, memory, dt, advance, tally)
 
 
 @compiled
+def add(i, c, f, b, memory, dt, advance, tally):
+    """Adds f to component c of the force on particle i; `memory` holds the last one for the work."""
+    b.force[i, c] += f
+    if BUDGET:
+        if advance and b.moving[i]:
+            tally[5] += 0.5 * dt * (memory[i, c] + f) * b.v[i, c]
+        memory[i, c] = f
+
+
+@compiled
 def drag(i, gamma, b, memory, dt, advance, tally):
     """Viscous drag -gamma v on particle i; `memory` holds its last force for the work."""
     for c in range(3):

@@ -17,7 +17,8 @@ from numpy.typing import NDArray
 
 from demsolver import contact
 from demsolver.bind_law import in_use
-from demsolver.scene import Box, ContactLaw, Cylinder, Freeze, Plane, Rotation, Scene, Slab, Wall
+from demsolver.expression import COLUMNS, value
+from demsolver.scene import AddForce, Box, ContactLaw, Cylinder, Freeze, Plane, Rotation, Scene, Slab, Wall
 
 Floats = NDArray[np.float64]
 Key = tuple[str, int, int]
@@ -100,6 +101,17 @@ def _still(wall: Wall) -> Wall:
     if not isinstance(shape, Cylinder) or shape.rotation is None or not shape.rotation.still_at_setup:
         return wall
     return replace(wall, shape=replace(shape, rotation=None))
+
+
+def added(scene: Scene, x: Floats, v: Floats) -> Floats:
+    """What the added forces of the scene do at x, v, each (n, 3): their sum (n, 3); NaN where a formula has no finite value."""
+    p, force = scene.particles, np.zeros_like(x)
+    for field in scene.forces:
+        if isinstance(field, AddForce):
+            for i in np.flatnonzero((p.mask >> field.bit) & 1):
+                known = dict(zip(COLUMNS, (*x[i], *v[i], p.mass[i], p.radius[i], p.type[i]), strict=True))
+                force[i] += [value(component, known) for component in field.force]
+    return force
 
 
 def _share(touch: Touch) -> float:

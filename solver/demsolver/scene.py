@@ -13,6 +13,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from demsolver.expression import Expression
+
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 Arm = Literal["radius", "contact"]
@@ -198,7 +200,16 @@ class Enforce2D:
     bit: int = 0
 
 
-Force = Gravity | Viscous | SetForce | Freeze | Enforce2D
+@dataclass(frozen=True)
+class AddForce:
+    """F += force on group `bit`, each component a formula of the particle's own state (`demsolver.expression`): of positions and velocities
+    as the contact forces of a step see them. It knows neither time nor other particles: who rests goes on feeling the same."""
+
+    force: tuple[Expression, Expression, Expression]
+    bit: int = 0
+
+
+Force = AddForce | Gravity | Viscous | SetForce | Freeze | Enforce2D
 
 
 @dataclass(frozen=True)

@@ -34,7 +34,7 @@ from demsolver.bind_law import (
 from demsolver.bind_walls import fields_source, steady_source, wall_sweep_source, walls_source
 from demsolver.near import BLOCK, FIELDS
 from demsolver.neighbors import HOME, PARTNER_FEELS
-from demsolver.scene import ContactLaw, Enforce2D, EulerSphere, Freeze, Plane, Scene, SetForce
+from demsolver.scene import AddForce, ContactLaw, Enforce2D, EulerSphere, Freeze, Plane, Scene, SetForce
 
 HERE = Path(__file__).parent
 CHUNK = 1024
@@ -230,8 +230,10 @@ def _template(name: str) -> str:
 
 def specialise(scene: Scene, has: Features) -> ModuleType:
     """The compiled loop for this scene: a module with run_steps and stored."""
-    modules = sorted({f.__module__ for law in laws_of(scene) for f in law_functions("x", law).values()})
-    return _load(source(scene, has), tuple(modules))
+    modules = {f.__module__ for law in laws_of(scene) for f in law_functions("x", law).values()}
+    if any(isinstance(field, AddForce) for field in scene.forces):
+        modules.add("demsolver.expression")
+    return _load(source(scene, has), tuple(sorted(modules)))
 
 
 @cache

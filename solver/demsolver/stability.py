@@ -18,14 +18,16 @@ it 2/7 of that for solid spheres; rolling and twisting have 1/(1/I_i + 1/I_j). W
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import combinations_with_replacement, product
 from math import hypot, inf, sqrt
 
 import numpy as np
 
 from demsolver import contact, neighbors
-from demsolver.scene import ContactLaw, Cylinder, Scene, Slab, Viscous, Wall
+from demsolver.expression import Number
+from demsolver.reference import added
+from demsolver.scene import AddForce, ContactLaw, Cylinder, Particles, Scene, Slab, Viscous, Wall
 from demsolver.stability_contacts import PAIR, Contacts, Mobility, arms, encounters, mobility, wall_radius
 from demsolver.stability_laws import MOTIONS, Encounter, LinearLaw
 from demsolver.state import Floats, selected
@@ -90,13 +92,14 @@ class ContactLimit:
 
 
 def contact_limits(scene: Scene, contacts: Contacts) -> tuple[ContactLimit, ...]:
-    """Limits of every pair of types and every type and wall that can meet, of their lightest particles; then of viscous drag.
+    """Limits of every pair of types and every type and wall that can meet, of their lightest particles; then of viscous drag
+    and of added forces, as far as these go against velocity or place of the lightest and the fastest particle of each type as it moves now.
 
     A law that answers alike at any overlap is taken as it is. Any other is taken at the largest overlap there is now between the two, or at that
     which their largest closing speed would reach without damping, if that is larger.
     """
     meetings = _Meetings(scene, contacts)
-    return (*meetings.limits(), *_drag_limits(scene, meetings.mobility))
+    return (*meetings.limits(), *_drag_limits(scene, meetings.mobility), *_added_limits(scene, meetings.mobility))
 
 
 class _Meetings:
@@ -227,3 +230,35 @@ def _drag_limits(scene: Scene, moves: Mobility) -> Iterator[ContactLimit]:
                 if damping > 0.0:
                     yield ContactLimit(f"type {a} and the medium", "drag", "viscous drag", mass, 0.0, damping, None, "any place")
 
+
+
+def _added_limits(scene: Scene, moves: Mobility) -> Iterator[ContactLimit]:
+    p, ease = scene.particles, moves.translation.max(axis=1)
+    for force in scene.forces:
+        if not isinstance(force, AddForce) or all(isinstance(component, Number) for component in force.force):
+            continue
+        rows = np.flatnonzero(selected(p.mask, force.bit) & (ease > 0.0))
+        for a in np.unique(p.type[rows]):
+            of_type = rows[p.type[rows] == a]
+            chosen = {int(of_type[np.argmax(ease[of_type])]), int(of_type[np.argmax((p.v[of_type] ** 2).sum(axis=1))])}
+            for i in sorted(chosen):
+                stiffness, damping = _slopes(scene, force, i)
+                if stiffness > 0.0 or damping > 0.0:
+                    mass, at = 1.0 / float(ease[i]), "as it moves now"
+                    yield ContactLimit(f"type {a} and the medium", "drag", "added force", mass, stiffness, damping, None, at)
+
+
+def _slopes(scene: Scene, force: AddForce, i: int) -> tuple[float, float]:
+    """Largest -dF/dx and -dF/dv of an added force on particle i along an axis; 0 where the formula has no value."""
+    p = scene.particles
+    names = ("id", "type", "x", "v", "omega", "radius", "mass", "mask", "image")
+    one = replace(scene, particles=Particles(**{name: getattr(p, name)[[i]] for name in names}), forces=(force,))
+    length = 1e-6 * (float(p.radius[i]) or float((scene.box.hi - scene.box.lo).max()))
+    speed = 1e-6 * max(float(np.abs(p.v[i]).max()), 1e3 * length / scene.timestep)
+    found = np.zeros((2, 3))
+    for c, way in enumerate(np.eye(3)):
+        for k, (dx, dv) in enumerate(((length, 0.0), (0.0, speed))):
+            up, down = (added(one, p.x[[i]] + side * dx * way, p.v[[i]] + side * dv * way)[0, c] for side in (1.0, -1.0))
+            found[k, c] = (down - up) / (2.0 * (dx + dv))
+    largest = np.nan_to_num(found, nan=0.0).max(axis=1)
+    return float(largest[0]), float(largest[1])

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from demsolver.scene import Scene
+from demsolver.scene import AddForce, Scene
 from demsolver.state import Bodies, Floats
 
 NOT_SOLVED = -2  # what an implicit step may answer; else -1: out of the list
@@ -37,7 +37,9 @@ def check_flight(low: Floats, high: Floats, box_lo: Floats, box_hi: Floats, step
 
 
 def _why(scene: Scene) -> str:
-    return f"the timestep {scene.timestep:g} is too long, or particles overlap too far"
+    added = any(isinstance(force, AddForce) for force in scene.forces)
+    formula = "the formula of an added force has no finite value (division by zero, root of a negative number ...), " if added else ""
+    return f"{formula}{'or ' if added else ''}the timestep {scene.timestep:g} is too long, or particles overlap too far"
 
 
 def refused(code: int, step: int, scene: Scene) -> str:
