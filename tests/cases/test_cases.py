@@ -37,8 +37,8 @@ def test_the_engines_agree(name: str, tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("case", LIBRARY, ids=[case.name for case in LIBRARY])
 def test_a_case_is_whole(case: Case) -> None:
-    """Law: a case has both decks or says why not, says what it measures, of which scenario and from which source, and names only differences and
-    deviations that the register has."""
+    """Law: a case has both decks or says which engine it is without (its deck is then for native alone), says what it measures, of which scenario
+    and from which source, and names only differences and deviations that the register has."""
     assert set(case.decks) | set(case.without) == {"lammps", "liggghts"}
     assert case.decks
     assert case.title

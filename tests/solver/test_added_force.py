@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from demsolver import AddForce, Box, Freeze, Gravity, Neighbor, NveSphere, Scene, SetForce, Simulation, Sleep, Slab, Unstable, Viscous, Wall
+from demsolver import AddForce, Box, Freeze, Gravity, Neighbor, NveSphere, Scene, SetForce, Simulation, Slab, Sleep, Unstable, Viscous, Wall
 from demsolver.expression import COLUMNS, FUNCTIONS, Call, Column, Expression, Number, call, value
 from demsolver.reference import added
 from demsolver.specialise import features, source
