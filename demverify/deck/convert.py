@@ -111,6 +111,9 @@ class _Translator:
 
     def _one(self, executed: Executed) -> Iterator[str]:
         name, words = executed.words[0], executed.words
+        if name in ("clear", "read_restart"):
+            message = f"{name}: a deck that restarts is not converted"
+            raise InputError(message, executed.place)
         if name == "run":
             if not self._ran and "lost" not in self.setup.thermo.modify:  # the dialects differ in the default
                 yield f"thermo_modify lost {LOST[self.plan.dialect]}"

@@ -11,7 +11,11 @@ from demverify.deck.state_values import moves, state_value
 from demverify.errors import InputError
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
+    from demsolver.memories import Memories
     from demsolver.scene import Scene
+    from demverify.deck.restart import Restart
 
 
 @dataclass(frozen=True)
@@ -39,6 +43,7 @@ class DryBackend:
     def __init__(self) -> None:
         """`runs` fills as the deck goes on."""
         self.runs: list[DryRun] = []
+        self._kept: dict[str, Restart] = {}
 
     def run(self, setup: Setup, steps: int) -> None:
         """Notes the run and advances step and time; the particles stay where they are."""
@@ -56,3 +61,24 @@ class DryBackend:
         if found is None:
             raise NeedsRun(f"the formula needs {keyword}, which only a run gives")
         return found
+
+    def memories(self, setup: Setup) -> Memories | None:
+        """Those of a file that no run has taken up yet."""
+        return setup.memories
+
+    def keep(self, state: Restart, name: str) -> None:
+        """Keeps it in memory; writes nothing. Raises InputError as the native engine would."""
+        from demverify.engines._outputs import check_own_file
+
+        check_own_file("write_restart", name)
+        self._kept[name] = state
+
+    def kept(self, name: str, folder: Path) -> Restart:
+        """What was kept, else what the file holds. Raises InputError."""
+        from demverify.deck.restart import find_restart, newest, read_restart_file
+
+        own = newest(name, self._kept)
+        return self._kept[own] if own else read_restart_file(find_restart(name, folder))
+
+    def cleared(self) -> None:
+        """Nothing to end."""

@@ -4,13 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 from demverify.deck.command import Command, Executed, Handler, handlers
 from demverify.deck.lexer import Line, parse_deck, read_deck, split_words
 from demverify.deck.setup import Dialect, Setup
 from demverify.deck.variables import Variables
 from demverify.errors import InputError, Place
+
+if TYPE_CHECKING:
+    from demsolver.memories import Memories
+    from demverify.deck.restart import Restart
 
 _CONTROL = ("include", "jump", "label", "next", "if", "quit")  # unrolled: `executed` holds what they led to, not them
 _MOST_COMMANDS = 100_000  # more than any deck needs; a `jump` without an end stops here
@@ -27,6 +31,18 @@ class Backend(Protocol):
         """A value for a formula: a thermo keyword, c_ID, c_ID[i], f_ID, a group function as `mass(all)`, a particle's as `x[3]`.
 
         `demverify.deck.state_values.state_value` knows those that follow from the setup. Raises InputError for others."""
+
+    def memories(self, setup: Setup) -> Memories | None:
+        """What the contacts remember now; None before the first run."""
+
+    def keep(self, state: Restart, name: str) -> None:
+        """Keeps a state under a file name. Raises InputError where no such file can be."""
+
+    def kept(self, name: str, folder: Path) -> Restart:
+        """The state under a name (`*`: that of the largest step), kept by this deck or else a file in `folder`. Raises InputError."""
+
+    def cleared(self) -> None:
+        """The deck said clear: no simulation goes on."""
 
 
 class Quit(Exception):

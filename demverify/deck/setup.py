@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from demverify.errors import Place
 
 if TYPE_CHECKING:
+    from demsolver.memories import Memories
     from demsolver.scene import Box
     from demverify.deck.rotating import Turn
 
@@ -120,6 +121,9 @@ class Setup:
     turns: dict[str, Turn] = field(default_factory=dict)  # of the last run: how the regions turned that are walls
     soft_particles: bool = False  # LIGGGHTS: lifts the lower bound on youngsModulus
     hard_particles: bool = False  # LIGGGHTS: lifts the upper one
+    cleared: bool = False  # whether a `clear` came before: only read_restart can make the box then
+    memories: Memories | None = None  # of a restart file, until the next run takes them up
+    memories_place: Place | None = None
     variables: Any = None  # the deck's demverify.deck.variables.Variables, for v_name in thermo and print lines
 
     @property

@@ -36,6 +36,17 @@ def check_outputs(setup: Setup) -> None:
         _check_dump(dump, setup, taken)
 
 
+def check_own_file(command: str, name: str) -> None:
+    """Raises InputError for a file that leads out of the folder of the run, or that the run itself writes."""
+    path = PurePosixPath(name)
+    if path.is_absolute() or ".." in path.parts:
+        message = f"{command} writes to {name!r}, outside the run folder; expected a relative path inside it"
+        raise InputError(message)
+    if str(path) in OWN_FILES:
+        message = f"{command} writes to {name!r}, as does the run itself"
+        raise InputError(message)
+
+
 def keywords_of(setup: Setup) -> tuple[str, ...]:
     """The thermo keywords of a setup; where faces move, style one shows the volume too."""
     changes = any(face in "sm" for faces in setup.boundary for face in faces)

@@ -17,6 +17,8 @@ from demverify.errors import InputError
 
 if TYPE_CHECKING:
     from demsolver import EnergyBudget, Scene, Simulation, Sleep
+    from demsolver.memories import Memories
+    from demverify.deck.restart import Restart
     from demverify.deck.setup import DumpSpec, Setup
     from demverify.formats.columns import Snapshot
     from demverify.formats.dump import DumpWriter
@@ -78,6 +80,8 @@ class NativeBackend:
         self.outputs = Outputs()
         self.printed: Sequence[str] = ()  # by the deck; the caller hands over the interpreter's list, which grows
         self._said = 0
+        self._nudged = False
+        self._written: list[str] = []  # names of restart files
         self._folder, self._every, self._threads, self._budget = folder, every, threads, budget
         self._nudge, self._keep, self._progress = nudge, keep, progress
         self._rules, self._most, self._modes = rules, most, dict(modes or {})
@@ -158,6 +162,34 @@ class NativeBackend:
             raise InputError(message)
         return Meter(setup, self._simulation, self._simulation.step, 0.0, self._checks).value(keyword, normalise=normalised(setup))
 
+    def memories(self, setup: Setup) -> Memories | None:
+        """Of the running simulation; before a run those of a file, which no run has taken up yet."""
+        return setup.memories if self._simulation is None else self._simulation.memories()
+
+    def keep(self, state: Restart, name: str) -> None:
+        """Writes a restart file into the folder of the run. Raises InputError for a name that leads out of it or is taken by an output."""
+        from demverify.deck.restart import write_restart_file
+        from demverify.engines._outputs import check_own_file
+
+        check_own_file("write_restart", name)
+        path = self._folder / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        write_restart_file(path, state)
+        self._written.append(name)
+
+    def kept(self, name: str, folder: Path) -> Restart:
+        """What this run wrote, else what stands beside the deck. Raises InputError."""
+        from demverify.deck.restart import find_restart, newest, read_restart_file
+
+        own = newest(name, self._written)
+        return read_restart_file(self._folder / own if own else find_restart(name, folder))
+
+    def cleared(self) -> None:
+        """The next run starts a simulation of its own, and shows its first state as a run of its own would."""
+        from demverify.engines._checks import StepChecks
+
+        self._simulation, self._checks, self._last_frame = None, StepChecks(), -1
+
     def _prepare(self, setup: Setup) -> Simulation:
         from demsolver import Simulation
         from demverify.deck.scene_builder import scene_of
@@ -168,14 +200,29 @@ class NativeBackend:
         virial = "press" in keywords_of(setup)
         sleep = self._sleep(scene, virial=virial)
         if self._simulation is None:
-            if self._nudge is not None:
+            if self._nudge is not None and not self._nudged:
                 scene.particles.x[:] = self._nudge(scene.particles.x)
+                self._nudged = True
             precision = self._modes.get("precision", "double")
             self._simulation = Simulation(scene, threads=self._threads, budget=self._budget, virial=virial, precision=precision, sleep=sleep)
         else:
             self._simulation = self._simulation.continue_with(scene, virial=virial)
+        self._recall(setup)
         self._simulation.step = setup.step
         return self._simulation
+
+    def _recall(self, setup: Setup) -> None:
+        """What contacts remembered in a restart file; log.native tells of walls whose fix did not come back. Raises InputError."""
+        found, setup.memories = setup.memories, None
+        if found is None or self._simulation is None:
+            return
+        try:
+            self._simulation.recall(found)
+        except ValueError as error:
+            message = f"read_restart: {error}"
+            raise InputError(message, setup.memories_place) from error
+        for name in sorted(set(found.walls) - {wall.name for wall in self._simulation.scene.walls}):
+            self.say(f"read_restart: what fix {name} remembered is not used, for no wall of this ID was stated again\n")
 
     def _sleep(self, scene: Scene, *, virial: bool) -> Sleep | None:
         """What --sleep asks for. Raises InputError where a scene cannot have it."""

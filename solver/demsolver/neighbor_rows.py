@@ -347,6 +347,14 @@ def _remember(memory, k, to_memory, q, signs, turned):  # type: ignore[no-untype
             to_memory[q, c] = memory[k, c]
 
 
+@njit(error_model="numpy")
+def turn(memory, which, signs):  # type: ignore[no-untyped-def]
+    """Turns the memory of the entries `which` to how the other particle feels it, in place."""
+    for k in which:
+        was = memory[k : k + 1].copy()
+        _remember(was, 0, memory, k, signs, True)
+
+
 @njit(error_model="numpy", forceinline=True)
 def _apart(x, radius, i, j, shifts, shift):  # type: ignore[no-untyped-def]
     """Whether two particles do not overlap."""

@@ -15,6 +15,7 @@ from demsolver.bind_walls import PLACE
 from demsolver.check import check_scene
 from demsolver.energy_budget import EnergyBudget
 from demsolver.listed import Listed, listed, without
+from demsolver.memories import Memories, WallMemory, fitted, pairs_recalled, pairs_remembered, places, remembering
 from demsolver.near import START_LEEWAY, near_of
 from demsolver.neighbor_grid import bounds_of
 from demsolver.scene import Box, Gravity, Particles, Plane, Scene
@@ -222,6 +223,52 @@ class Simulation:
             if old_memory.shape == memory.shape:
                 memory[:], touching[:] = old_memory, old_touching
         return other
+
+    def memories(self) -> Memories:
+        """What the contacts remember now, by the ids of the particles: copies."""
+        rows = self.id[self._order]
+        i, j, shift, touching, memory = pairs_remembered(self._pairs, rows)
+        walls = {
+            wall.name: WallMemory(remembering(wall.law), _outside(arrays[3], self._order), _outside(arrays[4], self._order))
+            for wall, arrays in zip(self.scene.walls, self._walls, strict=True)
+        }
+        return Memories(
+            self.id.copy(), rows, remembering(self.scene.pair), i, j, shift, touching, memory, walls, self._tallies.sum(axis=0)
+        )
+
+    def recall(self, found: Memories) -> None:
+        """Takes up what contacts remembered, before the first `setup`: of the particles and walls that are there, walls by name. With the
+        particles as they were then, the motion goes on to the last bit as if the simulation had been continued.
+
+        Raises ValueError naming the wall, or the pairs, whose laws are not those that remembered."""
+        self._check_laws(found)
+        here = places(found.rows, self.id)
+        inside = np.empty(len(self.id), dtype=np.int64)
+        inside[self._order] = np.arange(len(self.id))
+        known = inside[here[here >= 0]]
+        new = np.setdiff1d(np.arange(len(self.id)), known)
+        self._sort(_movers_first(self._bodies, np.concatenate([known, new])))
+        rows = self.id[self._order]
+        if self.scene.pair and found.laws:
+            columns = self._pairs.memory.shape[1]
+            self._allot(pairs_recalled(found, rows, columns, self._signs, periodic=any(self.scene.box.periodic)))
+        self._tallies[0] = found.tally
+        was = places(rows, found.id)
+        for wall, (_, _, _, memory, touching) in zip(self.scene.walls, self._walls, strict=True):
+            if wall.name in found.walls:
+                old = found.walls[wall.name]
+                base = memory.shape[1] - self._extra
+                memory[was >= 0] = fitted(old.memory[was[was >= 0]], memory.shape[1], base)
+                touching[was >= 0] = old.touching[was[was >= 0]]
+
+    def _check_laws(self, found: Memories) -> None:
+        """Raises ValueError where the memory of one law would be read as that of another."""
+        laws = [("pairs", found.laws, remembering(self.scene.pair))]
+        laws += [(f"wall {wall.name}", found.walls[wall.name].laws, remembering(wall.law)) for wall in self.scene.walls if wall.name in found.walls]
+        for name, then, now in laws:
+            if then and now and then != now:
+                message = f"{name}: contacts remember {', '.join(then)}, and cannot go on with {', '.join(now)}"
+                raise ValueError(message)
 
     def _rhythm(self) -> tuple[int, int, bool, float]:
         n = self.scene.neighbor

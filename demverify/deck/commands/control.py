@@ -101,15 +101,15 @@ def print_(deck: Interpreter, cmd: Command) -> None:
         deck.printed.append(text)
 
 
-@command("clear", "shell")
+@command("shell")
 def refused(deck: Interpreter, cmd: Command) -> None:
-    """clear and shell reach outside of what one deck describes."""
-    raise cmd.error("is not supported: a deck describes one system and may not run programs")
+    """shell reaches outside of what one deck describes."""
+    raise cmd.error("is not supported: a deck may not run programs")
 
 
 @command(
     "echo", "log", "processors", "comm_modify", "comm_style", "communicate", "atom_modify", "timer", "timers", "modify_timing",
-    "balance", "restart", "write_restart", "write_data", "write_dump", "info", "suffix", "package", "thermo_log",
+    "balance", "restart", "write_data", "write_dump", "info", "suffix", "package", "thermo_log",
 )  # fmt: skip
 def ignored(deck: Interpreter, cmd: Command) -> None:
     """Commands that cannot change the physics: read, noted, without effect."""

@@ -118,6 +118,8 @@ def create_box(deck: Interpreter, cmd: Command) -> None:
 
 def make_box(deck: Interpreter, cmd: Command, lo: object, hi: object, ntypes: int) -> None:
     """Sets box, types and an empty set of particles. lo, hi: (3,). Raises InputError for an empty box."""
+    if deck.setup.cleared:
+        raise cmd.error("is not supported after clear: a deck describes one system, which read_restart brings back")
     if ntypes > _MOST_TYPES:
         raise cmd.error(f"number of types must be at most {_MOST_TYPES}, got {ntypes}")
     low, high = np.array(lo, dtype=float), np.array(hi, dtype=float)
