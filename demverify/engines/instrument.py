@@ -17,6 +17,7 @@ import gzip
 import re
 import shutil
 from dataclasses import dataclass, field
+from fnmatch import fnmatchcase
 from itertools import product
 from pathlib import Path, PurePosixPath
 
@@ -120,6 +121,7 @@ class _Copy:
     known: dict[str, list[str]]  # values that an index or string variable can take
     total: int | None = 0
     writes: bool = False  # whether a command so far may have made a file that a later one reads
+    restarts: set[str] = field(default_factory=set)  # names of restart files that a command so far writes
     places: dict[str, list[Place]] = field(default_factory=dict)
     copied: set[Path] = field(default_factory=set)
 
@@ -136,11 +138,12 @@ class _Copy:
         if not words:
             return line
         commands = [words, *nested_commands(words)]
-        edits = [edit for command in commands for edit in self._edits(command, place)]
+        edits = []
+        for command in commands:
+            edits += self._edits(command, place)
+            self._learn([word.text for word in command])
         new = apply(line, edits)
         self.places.setdefault(squeezed(new), []).append(place)
-        for command in commands:
-            self._learn([word.text for word in command])
         guard = self._guard({command[0].text for command in commands})
         if guard:
             self.places.setdefault(squeezed(guard), []).append(place)
@@ -170,6 +173,8 @@ class _Copy:
             if words[2] in ("index", "string") or (words[2] == "equal" and words[3].isdigit()):
                 self.known[words[1]] = [value for word in words[3:] for value in self._values(word)]
         self.writes |= words[0] in _WRITES
+        if words[0] == "write_restart" and len(words) > 1:
+            self.restarts.update(self._values(words[1]))
         if words[0] in _LOOPS:
             self.total = None
         elif words[0] == "run" and self.total is not None:
@@ -199,6 +204,8 @@ class _Copy:
         values = self._values(words[i])
         if words[0] == "jump" and values == [self.deck.name]:
             return self.name
+        if words[0] == "read_restart" and values and all(self._is_made(value) for value in values):
+            return None  # the run's own file, also where one of this name lies beside the deck
         files = {rel: path for value in values for rel, path in self._matches(value)}
         if not files:
             self._complain(words, values, place)
@@ -206,6 +213,10 @@ class _Copy:
         for rel, path in files.items():
             self._provide(rel, path, is_deck=words[0] in ("include", "jump"))
         return self._entry(values[0] if len(values) == 1 and "*" not in values[0] else words[i])
+
+    def _is_made(self, value: str) -> bool:
+        """Whether a restart file of this name has been written by then; in either name a `*` is any step."""
+        return any(fnmatchcase(value, name) or fnmatchcase(name, value) for name in self.restarts)
 
     def _matches(self, value: str) -> list[tuple[str, Path]]:
         """(path as the deck writes it, file) of every file beside the deck that fits; `x` finds `x.gz` where there is no `x`."""
