@@ -37,7 +37,8 @@ class Features:
     thermo: columns.
     friction: some coefficient is not zero. tangential_damping: some law has it.
     undamped_wall: a wall without normal damping. two_planes: a LAMMPS wall of two planes. turning: a cylinder. discs: spheres integrated as discs.
-    short_dumps: a dump without a format of its own. runs: number of `run` commands. particles: their number.
+    short_dumps: a dump without a format of its own. restart: read_restart made the box, and pair_of_the_file: the pair style. runs: number of `run`
+    commands. particles: their number.
     """
 
     pair_styles: Words = frozenset()
@@ -60,6 +61,8 @@ class Features:
     turning: bool = False
     discs: bool = False
     short_dumps: bool = False
+    restart: bool = False
+    pair_of_the_file: bool = False
     runs: int = 1
     particles: int = 0
     dimension: int = 3
@@ -78,6 +81,8 @@ NEEDS: dict[str, Callable[[Features], bool]] = {
     "undamped wall": lambda f: f.undamped_wall,
     "two planes": lambda f: f.two_planes,
     "turning cylinder": lambda f: f.turning,
+    "restart": lambda f: f.restart,
+    "pair style of the restart file": lambda f: f.pair_of_the_file,
     "several runs": lambda f: f.runs > 1,
     "one particle": lambda f: f.particles == 1,
     "two dimensions": lambda f: f.dimension == 2,
@@ -257,6 +262,8 @@ def features_of(setup: Setup, runs: int) -> Features:
         two_planes=any(_two_planes(fix.args) for fix in _walls(setup)),
         discs=any("disc" in fix.args or (setup.dialect, setup.dimension) == ("liggghts", 2) for fix in integrators),
         short_dumps=any(not dump.format for dump in setup.dumps.values()),
+        restart=setup.restored is not None,
+        pair_of_the_file=setup.restored is not None and setup.pair_place is setup.restored,
         runs=runs,
         particles=setup.atoms.n if setup.atoms else 0,
         dimension=setup.dimension,

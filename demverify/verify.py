@@ -126,7 +126,7 @@ def compare_case(case: Case, out: Path, settings: Settings, watch: Watch, rows: 
 
 def _judged(work: _Work, runs: Mapping[str, Run], envelopes: Mapping[Dialect, Envelope]) -> list[Check]:
     """Engine against engine, and against what was recorded."""
-    checks = [*_pair_checks(work.plans, runs, envelopes), *reference_checks(work.case, runs, envelopes)]
+    checks = [*_without_defects(_pair_checks(work.plans, runs, envelopes), work.case, work.plans), *reference_checks(work.case, runs, envelopes)]
     if not any(check.engines == DIALECTS and check.outcome == "fail" for check in checks):
         return checks
     same = _same_scene(work, runs, envelopes)
@@ -186,6 +186,19 @@ def _pair_checks(plans: Mapping[Dialect, Plan], runs: Mapping[str, Run], envelop
         first, last = next(iter(runs)), list(runs)[-1]
         checks.append(not_judged("all", (first, last), "skipped", "only one engine ran; give a deck that two can run, or install another"))
     return checks
+
+
+def _without_defects(checks: Sequence[Check], case: Case, plans: Mapping[Dialect, Plan]) -> list[Check]:
+    """An engine that must miss a law of the case for a defect must miss the native motion too, which has no defect: that is not judged twice."""
+    found = []
+    for check in checks:
+        names = {engine_of(label) for label in check.engines}
+        dialect = next((one for one in DIALECTS if names == {"native", one}), None)
+        ids = {law.deviates[dialect] for law in case.laws if dialect in law.deviates} if dialect else set()
+        known = [e.id for e in _entries(plans[dialect], check.engines) if e.id in ids and e.kind == "defect"] if dialect else []
+        excused = known and (check.outcome, check.kind) == ("fail", "engine") and check.quantity not in ("ids", "steps")
+        found.append(replace(check, outcome="skipped", reason=KNOWN + ", ".join(known)) if excused else check)
+    return found
 
 
 def _compare(a: Run, b: Run, envelope: Envelope | None, known: Plan) -> list[Check]:

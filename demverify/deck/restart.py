@@ -67,7 +67,7 @@ def restore(setup: Setup, found: Restart, place: Place) -> None:
     setup.pair_place = place if s["pair_style"] else None
     setup.timestep = s.get("timestep")  # None in LIGGGHTS: the default of the units until a timestep command
     setup.step, setup.time = s["step"], s["time"]
-    setup.box, setup.memories, setup.memories_place = found.box, found.memories, place
+    setup.box, setup.memories, setup.restored = found.box, found.memories, place
     setup.atoms = Atoms(**{f.name: getattr(found.atoms, f.name).copy() for f in fields(Atoms)})
 
 

@@ -123,7 +123,7 @@ class Setup:
     hard_particles: bool = False  # LIGGGHTS: lifts the upper one
     cleared: bool = False  # whether a `clear` came before: only read_restart can make the box then
     memories: Memories | None = None  # of a restart file, until the next run takes them up
-    memories_place: Place | None = None
+    restored: Place | None = None  # where the deck said read_restart
     variables: Any = None  # the deck's demverify.deck.variables.Variables, for v_name in thermo and print lines
 
     @property

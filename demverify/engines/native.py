@@ -220,7 +220,7 @@ class NativeBackend:
             self._simulation.recall(found)
         except ValueError as error:
             message = f"read_restart: {error}"
-            raise InputError(message, setup.memories_place) from error
+            raise InputError(message, setup.restored) from error
         for name in sorted(set(found.walls) - {wall.name for wall in self._simulation.scene.walls}):
             self.say(f"read_restart: what fix {name} remembered is not used, for no wall of this ID was stated again\n")
 
