@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from demsolver import contact
+from demsolver.bind_law import in_use
 from demsolver.neighbor_rows import turn
 from demsolver.neighbors import HOME, PARTNER_FEELS, remembered
 from demsolver.scene import ContactLaw
@@ -29,7 +30,7 @@ class Memories:
     """What contacts remember, by the ids of particles.
 
     id: (n,) in the scene's order; rows: (n,) in the order in which sums are taken, which decides their last bits. laws: the pair laws that
-    remember, () without pairs. i, j: (m,) ids: particle i feels the image of j shifted by row `shift` of neighbors.SHIFTS; a pair with no
+    remember, as `remembering` gives them. i, j: (m,) ids: particle i feels the image of j shifted by row `shift` of neighbors.SHIFTS; a pair with no
     periodic face between is there once, felt by both. touching: (m,). memory: (m, c) as i feels it. walls: by name. tally: (6,) what the
     energy account has summed up so far.
     """
@@ -47,8 +48,9 @@ class Memories:
 
 
 def remembering(law: ContactLaw | None) -> tuple[str, ...]:
-    """The laws of a contact whose memory goes from step to step."""
-    return tuple(getattr(law, family) for family in contact.REMEMBERING) if law else ()
+    """The laws of a contact that remember from step to step, as `family law`: what the columns of its memory mean."""
+    names = [(family, getattr(law, family)) for family in in_use(law)] if law else []
+    return tuple(f"{family} {name}" for family, name in names if contact.memory(family, name))
 
 
 def pairs_remembered(pairs: Pairs, ids: Ints) -> tuple[Ints, Ints, Ints, NDArray[np.uint8], Floats]:

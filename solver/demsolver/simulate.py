@@ -209,10 +209,15 @@ class Simulation:
         other.step = self.step
         if not np.array_equal(other.id, self.id):
             return other
-        other._sort(np.argsort(other._order)[self._order])
-        if _same_law(scene, self.scene):
-            other._allot(self._pairs)
-            other._tallies[0] = self._tallies.sum(axis=0)
+        rows = np.argsort(other._order)[self._order]
+        alike = np.array_equal(_movers_first(other._bodies, rows), rows)  # else others move now, and stand elsewhere
+        if not alike:
+            other._take_up(self.memories())
+        else:
+            other._sort(rows)
+            if _same_law(scene, self.scene):
+                other._allot(self._pairs)
+                other._tallies[0] = self._tallies.sum(axis=0)
         kept = {wall.name: (wall, arrays) for wall, arrays in zip(self.scene.walls, self._walls, strict=True)}
         for wall, (geometry, _, _, memory, touching) in zip(scene.walls, other._walls, strict=True):
             if wall.name not in kept:
@@ -220,7 +225,7 @@ class Simulation:
             old, (old_geometry, _, _, old_memory, old_touching) = kept[wall.name]
             if isinstance(wall.shape, Plane) and wall.shape == old.shape:
                 geometry[PLACE] = old_geometry[PLACE]
-            if old_memory.shape == memory.shape:
+            if alike and old_memory.shape == memory.shape:
                 memory[:], touching[:] = old_memory, old_touching
         return other
 
@@ -242,6 +247,10 @@ class Simulation:
 
         Raises ValueError naming the wall, or the pairs, whose laws are not those that remembered."""
         self._check_laws(found)
+        self._take_up(found)
+
+    def _take_up(self, found: Memories) -> None:
+        """The order of rows, as far as those that move now still stand first, and memories of laws that are the same."""
         here = places(found.rows, self.id)
         inside = np.empty(len(self.id), dtype=np.int64)
         inside[self._order] = np.arange(len(self.id))
@@ -249,14 +258,14 @@ class Simulation:
         new = np.setdiff1d(np.arange(len(self.id)), known)
         self._sort(_movers_first(self._bodies, np.concatenate([known, new])))
         rows = self.id[self._order]
-        if self.scene.pair and found.laws:
+        if found.laws == remembering(self.scene.pair):
             columns = self._pairs.memory.shape[1]
             self._allot(pairs_recalled(found, rows, columns, self._signs, periodic=any(self.scene.box.periodic)))
-        self._tallies[0] = found.tally
+            self._tallies[0] = found.tally
         was = places(rows, found.id)
         for wall, (_, _, _, memory, touching) in zip(self.scene.walls, self._walls, strict=True):
-            if wall.name in found.walls:
-                old = found.walls[wall.name]
+            old = found.walls.get(wall.name)
+            if old and old.laws == remembering(wall.law):
                 base = memory.shape[1] - self._extra
                 memory[was >= 0] = fitted(old.memory[was[was >= 0]], memory.shape[1], base)
                 touching[was >= 0] = old.touching[was[was >= 0]]

@@ -36,7 +36,7 @@ def _file(cmd: Command) -> str:
 
 @command("clear")
 def clear(deck: Interpreter, cmd: Command) -> None:
-    """clear: forgets everything but the variables. A deck describes one system, so only read_restart can follow."""
+    """clear: forgets everything but the variables; a deck describes one system, so only read_restart brings a box back."""
     cmd.end()
     deck.setup = Setup(dialect=deck.setup.dialect, variables=deck.variables, cleared=True)
     deck.backend.cleared()

@@ -118,7 +118,7 @@ COMMANDS = [
     (GRAINS, "run 10 every 2 NULL", "run keyword 'every' is not one of upto, pre"),
     (GRAINS, "run 10 pre no", "run pre no is not supported"),
     (GRAINS + "run 10\n", "run 5 upto", "run upto 5: the run is at step 10 already"),
-    (GRAINS, "clear", "clear is not supported: a deck describes one system"),
+    (GRAINS, "clear all", "clear does not know 'all' at this point"),
     (GRAINS, "shell ls", "shell is not supported"),
     (GRAINS, "run_style respa 2 2", "run_style style 'respa' is not one of verlet"),
     ("", "print '$(1/0)'", "formula '1/0': division by zero"),
