@@ -37,8 +37,8 @@ class Features:
     thermo: columns.
     friction: some coefficient is not zero. tangential_damping: some law has it.
     undamped_wall: a wall without normal damping. two_planes: a LAMMPS wall of two planes. turning: a cylinder. discs: spheres integrated as discs.
-    short_dumps: a dump without a format of its own. restart: read_restart made the box, and pair_of_the_file: the pair style. runs: number of `run`
-    commands. particles: their number.
+    short_dumps: a dump without a format of its own. restart: read_restart made the box; pair_of_the_file: and the pair style.
+    runs: number of `run` commands. particles: their number.
     """
 
     pair_styles: Words = frozenset()

@@ -9,7 +9,9 @@ where a fix of the same ID and style is stated again, of walls; LAMMPS also the 
 from __future__ import annotations
 
 import json
+import struct
 import zipfile
+import zlib
 from collections.abc import Iterable
 from dataclasses import dataclass, fields
 from pathlib import Path
@@ -26,6 +28,11 @@ from demverify.formats.atomic import atomic_write
 MAGIC, VERSION = "demverify restart", 1
 _FOREIGN = "is not a restart file of the native engine (LAMMPS and LIGGGHTS read their own only, too)"
 _SETTINGS = ("units", "dimension", "boundary", "ntypes", "groups", "pair_style", "step", "time")
+_BROKEN = (
+    ValueError, KeyError, TypeError, AttributeError, EOFError, SyntaxError, OverflowError, MemoryError, RuntimeError, struct.error,
+    zipfile.BadZipFile, zlib.error,
+)  # fmt: skip
+"""What reading a foreign or damaged archive can end in; NotImplementedError is a RuntimeError."""
 _PAIR = ("i", "j", "shift", "touching", "memory")
 
 
@@ -113,26 +120,27 @@ def read_restart_file(path: Path) -> Restart:
     """Raises InputError for a file that is not one of ours, of another version, or damaged."""
     try:
         with np.load(path, allow_pickle=False) as archive:
-            if not isinstance(archive, np.lib.npyio.NpzFile) or "header" not in archive.files:
-                raise InputError(f"{path.name} {_FOREIGN}")
-            header = json.loads(bytes(archive["header"]))
-            _check_header(header, path)
+            header = _header(archive, path)
             arrays = {name: archive[name] for name in archive.files if name != "header"}
         return _restart(header, arrays)
     except InputError:
         raise
     except OSError as error:
         raise InputError(f"{path.name} cannot be read: {error.strerror or error}") from error
-    except (ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile, UnicodeDecodeError) as error:
+    except _BROKEN as error:
         ours = path.read_bytes()[:4] == b"PK\x03\x04"
         raise InputError(f"{path.name} " + ("is damaged: not a whole restart file" if ours else _FOREIGN)) from error
 
 
-def _check_header(header: Any, path: Path) -> None:
+def _header(archive: Any, path: Path) -> dict[str, Any]:
+    if "header" not in archive.files:
+        raise InputError(f"{path.name} {_FOREIGN}")
+    header = json.loads(bytes(archive["header"]))
     if not isinstance(header, dict) or header.get("magic") != MAGIC:
         raise InputError(f"{path.name} {_FOREIGN}")
     if header.get("version") != VERSION:
         raise InputError(f"{path.name} is a restart file of version {header.get('version')}; this is demverify with version {VERSION}")
+    return header
 
 
 def _restart(header: dict[str, Any], arrays: dict[str, Any]) -> Restart:
@@ -144,10 +152,9 @@ def _restart(header: dict[str, Any], arrays: dict[str, Any]) -> Restart:
             name: WallMemory(tuple(laws), arrays[f"wall{k}_memory"], arrays[f"wall{k}_touching"])
             for k, (name, laws) in enumerate(header["walls"].items())
         }
-        memories = Memories(
-            arrays["memory_id"], arrays["memory_rows"], tuple(header["pair_laws"]), *(arrays[f"pairs_{name}"] for name in _PAIR), walls,
-            arrays["memory_tally"],
-        )  # fmt: skip
+        pairs = {name: arrays[f"pairs_{name}"] for name in _PAIR}
+        laws = tuple(header["pair_laws"])
+        memories = Memories(arrays["memory_id"], arrays["memory_rows"], laws, **pairs, walls=walls, tally=arrays["memory_tally"])
     x, y, z = header["faces"]
     box = Box(arrays["box_lo"], arrays["box_hi"], (x, y, z), arrays.get("box_margin"))
     return Restart(header["dialect"], settings, box, Atoms(**{f.name: arrays[f"atoms_{f.name}"] for f in fields(Atoms)}), memories)

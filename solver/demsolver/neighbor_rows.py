@@ -348,7 +348,7 @@ def _remember(memory, k, to_memory, q, signs, turned):  # type: ignore[no-untype
 
 
 @njit(error_model="numpy")
-def turn(memory, which, signs):  # type: ignore[no-untyped-def]
+def turn(memory, which, signs):  # type: ignore[no-untyped-def]  # noqa: ANN201
     """Turns the memory of the entries `which` to how the other particle feels it, in place."""
     for k in which:
         was = memory[k : k + 1].copy()

@@ -71,7 +71,7 @@ def test_liggghts_restored_pair_style_slips_differently(tmp_path: Path) -> None:
         "stated": "write_restart state\nclear\n" + LIGGGHTS_AGAIN + SOFT.lines() + "\n" + GRAN + MOVE + "timestep 1e-6\n",
         "restored": "write_restart state\nclear\n" + LIGGGHTS_AGAIN + SOFT.lines() + "\n" + MOVE + "timestep 1e-6\n",
     }.items():
-        form = "format \"%d %d" + " %.17g" * (len(COLUMNS.split()) - 2) + '"'
+        form = 'format "%d %d' + " %.17g" * (len(COLUMNS.split()) - 2) + '"'
         body = f"{GRAN}fix move all nve/sphere\nrun 200\nundump d\n{rest}{DUMP}{form}\nrun 200\n"
         frames = run_liggghts(liggghts_deck(BALLS, SOFT, body, tmp_path / name), tmp_path / name).frames
         moved[name] = np.array([frame.columns["fy"][0] for frame in frames if frame.step >= 201])
