@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import Protocol, TypeVar
 
@@ -104,14 +105,20 @@ def read_dictionary(path: Path, variables: Mapping[str, Sequence[str]] | None = 
     """What a deck tells of its dumps. variables: name -> values, as -var on the command line of the engine.
 
     Computes, dumps and fixes keep their meaning when they are undone, as the files they wrote do. A `clear` starts anew: what came
-    before it counts only if a dump was written there, or if nothing comes after. Raises InputError where the deck itself cannot be read.
+    before it counts only if a dump was written there, or if nothing comes after; where a restart file that the deck wrote is read, the simulation
+    before goes on. Raises InputError where the deck itself cannot be read.
     """
     dialect = detect_dialect(path)
     script = Script(path, variables or {})
     chapters = [_Chapter(script, dialect)]
+    restarts: set[str] = set()
     for cmd in script.commands():
         if cmd.name == "clear":
             chapters.append(_Chapter(script, dialect))
+        elif cmd.name == "write_restart":
+            restarts.add(cmd.peek())
+        elif cmd.name == "read_restart" and len(chapters) > 1 and any(fnmatchcase(cmd.peek(), name) for name in restarts):
+            chapters.pop()
         else:
             chapters[-1].hear(cmd)
     kept = [chapter for chapter in chapters if chapter.dumped]

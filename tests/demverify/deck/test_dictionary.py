@@ -323,3 +323,13 @@ def test_what_does_not_matter_is_silent(told) -> None:
     """Law: commands that say nothing of dumps are passed over without a word, whatever is in them, also what is not known."""
     text = f"units si\n{BOX}timestep 1e-5\nnonsense ${{a}}\nfix 1 all spring ${{k}}\npair_coeff * * ${{b}} $(c_1)\nprint '$x' screen no\n"
     assert told(text).passed_over == []
+
+
+def test_a_restart_of_its_own_goes_on_with_the_simulation_before(told) -> None:
+    """Law: what read_restart brings back from a file that the deck wrote is known; from another file it is not."""
+    before = f"units si\natom_style sphere\ntimestep 1e-5\n{BOX}set type 1 density 2500\nrun 1\n"
+    back = "write_restart state.*\nclear\nread_restart {}.1\nrun 1\n"
+    straight = told(before + "run 1\n").meanings
+    assert (straight.units, straight.timestep) == ("si", 1e-5)
+    assert told(before + back.format("state")).meanings == straight
+    assert told(before + back.format("other")).meanings.units is None
