@@ -76,12 +76,13 @@ class NativeBackend:
     ) -> None:
         from demsolver.stability_watch import StepWatch
         from demverify.engines._checks import StepChecks
+        from demverify.engines._restarts import RestartFiles
 
         self.outputs = Outputs()
         self.printed: Sequence[str] = ()  # by the deck; the caller hands over the interpreter's list, which grows
         self._said = 0
         self._nudged = False
-        self._written: list[str] = []  # names of restart files
+        self._restarts = RestartFiles(folder)
         self._folder, self._every, self._threads, self._budget = folder, every, threads, budget
         self._nudge, self._keep, self._progress = nudge, keep, progress
         self._rules, self._most, self._modes = rules, most, dict(modes or {})
@@ -168,32 +169,21 @@ class NativeBackend:
 
     def keep(self, state: Restart, name: str) -> None:
         """Writes a restart file into the folder of the run. Raises InputError for a name that leads out of it or is taken by an output."""
-        from demverify.deck.restart import write_restart_file
-        from demverify.engines._outputs import check_own_file
-
-        check_own_file("write_restart", name)
-        path = self._folder / name
-        path.parent.mkdir(parents=True, exist_ok=True)
-        write_restart_file(path, state)
-        self._written.append(name)
+        self._restarts.keep(state, name)
 
     def kept(self, name: str, folder: Path) -> Restart:
         """What this run wrote, else what stands beside the deck. Raises InputError."""
-        from demverify.deck.restart import find_restart, newest, read_restart_file
-
-        own = newest(name, self._written)
-        return read_restart_file(self._folder / own if own else find_restart(name, folder))
+        return self._restarts.kept(name, folder)
 
     def cleared(self) -> None:
         """The next run starts a simulation of its own, and shows its first state as a run of its own would."""
-        from demverify.engines._checks import StepChecks
-
-        self._simulation, self._checks, self._last_frame = None, StepChecks(), -1
+        self._simulation, self._checks, self._last_frame = None, type(self._checks)(), -1
 
     def _prepare(self, setup: Setup) -> Simulation:
         from demsolver import Simulation
         from demverify.deck.scene_builder import scene_of
         from demverify.engines._outputs import keywords_of
+        from demverify.engines._restarts import recalled
 
         scene = scene_of(setup)
         scene = self._rules(scene) if self._rules else scene
@@ -207,22 +197,10 @@ class NativeBackend:
             self._simulation = Simulation(scene, threads=self._threads, budget=self._budget, virial=virial, precision=precision, sleep=sleep)
         else:
             self._simulation = self._simulation.continue_with(scene, virial=virial)
-        self._recall(setup)
+        if notes := recalled(self._simulation, setup):
+            self.say(notes)
         self._simulation.step = setup.step
         return self._simulation
-
-    def _recall(self, setup: Setup) -> None:
-        """What contacts remembered in a restart file; log.native tells of walls whose fix did not come back. Raises InputError."""
-        found, setup.memories = setup.memories, None
-        if found is None or self._simulation is None:
-            return
-        try:
-            self._simulation.recall(found)
-        except ValueError as error:
-            message = f"read_restart: {error}"
-            raise InputError(message, setup.restored) from error
-        for name in sorted(set(found.walls) - {wall.name for wall in self._simulation.scene.walls}):
-            self.say(f"read_restart: what fix {name} remembered is not used, for no wall of this ID was stated again\n")
 
     def _sleep(self, scene: Scene, *, virial: bool) -> Sleep | None:
         """What --sleep asks for. Raises InputError where a scene cannot have it."""

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,8 +13,8 @@ from demsolver import contact
 from demsolver.bind_law import in_use
 from demsolver.neighbor_rows import turn
 from demsolver.neighbors import HOME, PARTNER_FEELS, remembered
-from demsolver.scene import ContactLaw
-from demsolver.state import Floats, Ints, Pairs
+from demsolver.scene import ContactLaw, Scene, Wall
+from demsolver.state import Floats, Ints, Pairs, outside
 
 
 class WallMemory(NamedTuple):
@@ -82,6 +82,44 @@ def pairs_recalled(found: Memories, ids: Ints, columns: int, signs: Floats, *, p
     )  # fmt: skip
 
 
+def walls_remembered(walls: Sequence[Wall], arrays: Sequence[tuple[Any, ...]], order: Ints) -> dict[str, WallMemory]:
+    """By name. arrays: as bind_scene.wall_arrays, in rows. order: (n,) number of the particle in each row."""
+    return {
+        wall.name: WallMemory(remembering(wall.law), outside(memory, order), outside(touching, order))
+        for wall, (_, _, _, memory, touching) in zip(walls, arrays, strict=True)
+    }
+
+
+def recall_walls(found: Memories, walls: Sequence[Wall], arrays: Sequence[tuple[Any, ...]], ids: Ints, extra: int) -> None:
+    """Fills memory and touching of the walls that are known by name and law, in place. ids: (n,) of the rows. extra: columns behind the law's."""
+    was = places(ids, found.id)
+    there = was >= 0
+    for wall, (_, _, _, memory, touching) in zip(walls, arrays, strict=True):
+        old = found.walls.get(wall.name)
+        if old and old.laws == remembering(wall.law):
+            memory[there] = fitted(old.memory[was[there]], memory.shape[1], memory.shape[1] - extra)
+            touching[there] = old.touching[was[there]]
+
+
+def check_laws(found: Memories, scene: Scene) -> None:
+    """Raises ValueError where the memory of one law would be read as that of another."""
+    laws = [("pairs", found.laws, remembering(scene.pair))]
+    laws += [(f"wall {wall.name}", found.walls[wall.name].laws, remembering(wall.law)) for wall in scene.walls if wall.name in found.walls]
+    for name, then, now in laws:
+        if then and now and then != now:
+            message = f"{name}: contacts remember {', '.join(then)}, and cannot go on with {', '.join(now)}"
+            raise ValueError(message)
+
+
+def rows_as_then(found: Memories, ids: Ints, order: Ints) -> Ints:
+    """(n,) rows of now in the order of then, new particles last. ids: (n,) in the scene's order; order: (n,) number of the particle in each row."""
+    here = places(found.rows, ids)
+    row = np.empty(len(ids), dtype=np.int64)
+    row[order] = np.arange(len(ids))
+    known = row[here[here >= 0]]
+    return np.concatenate([known, np.setdiff1d(np.arange(len(ids)), known)])
+
+
 def fitted(memory: Floats, columns: int, base: int) -> Floats:
     """(m, columns) of (m, c): all where as many are kept, else the `base` columns of the law, and zeros."""
     found = np.zeros((len(memory), columns))
@@ -95,3 +133,10 @@ def places(wanted: Ints, ids: Ints) -> Ints:
     order = np.argsort(ids, kind="stable")
     at = np.minimum(np.searchsorted(ids, wanted, sorter=order), len(ids) - 1) if len(ids) else np.zeros(len(wanted), dtype=np.int64)
     return np.where(ids[order[at]] == wanted, order[at], -1) if len(ids) else at - 1
+
+
+def same_law(a: Scene, b: Scene) -> bool:
+    """Whether the contacts of one scene mean the same in the other: laws that remember the same."""
+    if a.pair is None or b.pair is None:
+        return a.pair is b.pair
+    return all(getattr(a.pair, family) == getattr(b.pair, family) for family in contact.REMEMBERING)

@@ -8,20 +8,20 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from demsolver import contact, neighbors
+from demsolver import memories, neighbors
 from demsolver.bind_law import memory_signs
 from demsolver.bind_scene import field_arrays, pair_coefficients, wall_arrays
 from demsolver.bind_walls import PLACE
 from demsolver.check import check_scene
 from demsolver.energy_budget import EnergyBudget
 from demsolver.listed import Listed, listed, without
-from demsolver.memories import Memories, WallMemory, fitted, pairs_recalled, pairs_remembered, places, remembering
+from demsolver.memories import Memories
 from demsolver.near import START_LEEWAY, near_of
 from demsolver.neighbor_grid import bounds_of
 from demsolver.scene import Box, Gravity, Particles, Plane, Scene
 from demsolver.sleep import Sleep, Sleepers, check_sleep
 from demsolver.specialise import BUDGET_COLUMNS, CHUNK, features, specialise
-from demsolver.state import Bodies, Floats, Ints, Pairs, bodies_of, flat_of, inertia_of, selected
+from demsolver.state import Bodies, Floats, Ints, Pairs, bodies_of, flat_of, inertia_of, movers_first, outside, selected
 from demsolver.threads import use_threads
 from demsolver.trouble import LostParticles, Unstable, check_finite, check_flight, refused
 
@@ -80,7 +80,7 @@ class Simulation:
         self._movers = int(self._bodies.moving.sum())
         self._sleepers = Sleepers(sleep, len(self.id)) if sleep else None
         self._unseen: dict[bool, neighbors.Unseen] = {}  # by whether two frozen particles see each other
-        self._sort(_movers_first(self._bodies, np.arange(len(self.id))))
+        self._sort(movers_first(self._bodies, np.arange(len(self.id))))
         self._allot(neighbors.empty_pairs(len(self.id), len(self._signs) + self._extra))
         self._age = self._lists = 0
         self._margin = 1e-4 * (self.box_hi - self.box_lo) if scene.box.margin is None else scene.box.margin
@@ -88,11 +88,11 @@ class Simulation:
     @property
     def bodies(self) -> Bodies:
         """The arrays of the particles in the scene's order, as they are now: copies."""
-        outside = Bodies(*(_outside(array, self._order) for array in self._bodies))
-        outside.force[self.asleep], outside.torque[self.asleep[: len(outside.torque)]] = 0.0, 0.0
+        shown = Bodies(*(outside(array, self._order) for array in self._bodies))
+        shown.force[self.asleep], shown.torque[self.asleep[: len(shown.torque)]] = 0.0, 0.0
         if self._has.ROTATES:
-            return outside
-        return outside._replace(omega=self._still.copy(), torque=np.zeros_like(outside.force))
+            return shown
+        return shown._replace(omega=self._still.copy(), torque=np.zeros_like(shown.force))
 
     @property
     def pairs(self) -> Listed:
@@ -102,12 +102,12 @@ class Simulation:
     @property
     def image(self) -> Ints:
         """(n, 3) periodic wraps, in the scene's order."""
-        return _outside(self._image, self._order).astype(np.int64)
+        return outside(self._image, self._order).astype(np.int64)
 
     @property
     def asleep(self) -> NDArray[np.bool_]:
         """(n,) who sleeps, in the scene's order: their forces count as zero."""
-        return _outside(self._sleepers.asleep, self._order) if self._sleepers else np.zeros(len(self.id), dtype=bool)
+        return outside(self._sleepers.asleep, self._order) if self._sleepers else np.zeros(len(self.id), dtype=bool)
 
     @property
     def threads(self) -> int:
@@ -178,16 +178,16 @@ class Simulation:
     def particles(self) -> Particles:
         """The particles as they are now: copies."""
         b, order = self._bodies, self._order
-        omega = _outside(b.omega, order) if self._has.ROTATES else self._still.copy()
+        omega = outside(b.omega, order) if self._has.ROTATES else self._still.copy()
         return Particles(
-            id=self.id.copy(), type=_outside(b.kind, order) + 1, x=_outside(b.x, order), v=_outside(b.v, order), omega=omega,
-            radius=_outside(b.radius, order), mass=_outside(b.mass, order), mask=_outside(b.mask, order), image=self.image,
+            id=self.id.copy(), type=outside(b.kind, order) + 1, x=outside(b.x, order), v=outside(b.v, order), omega=omega,
+            radius=outside(b.radius, order), mass=outside(b.mass, order), mask=outside(b.mask, order), image=self.image,
         )  # fmt: skip
 
     def forces(self) -> tuple[Floats, Floats]:
         """Forces and torques (n, 3) as they are now: copies."""
-        force = _outside(self._bodies.force, self._order)
-        torque = _outside(self._bodies.torque, self._order) if self._has.ROTATES else np.zeros_like(force)
+        force = outside(self._bodies.force, self._order)
+        torque = outside(self._bodies.torque, self._order) if self._has.ROTATES else np.zeros_like(force)
         force[self.asleep], torque[self.asleep] = 0.0, 0.0
         return force, torque
 
@@ -210,12 +210,12 @@ class Simulation:
         if not np.array_equal(other.id, self.id):
             return other
         rows = np.argsort(other._order)[self._order]
-        alike = np.array_equal(_movers_first(other._bodies, rows), rows)  # else others move now, and stand elsewhere
+        alike = np.array_equal(movers_first(other._bodies, rows), rows)  # else others move now, and stand elsewhere
         if not alike:
             other._take_up(self.memories())
         else:
             other._sort(rows)
-            if _same_law(scene, self.scene):
+            if memories.same_law(scene, self.scene):
                 other._allot(self._pairs)
                 other._tallies[0] = self._tallies.sum(axis=0)
         kept = {wall.name: (wall, arrays) for wall, arrays in zip(self.scene.walls, self._walls, strict=True)}
@@ -232,52 +232,29 @@ class Simulation:
     def memories(self) -> Memories:
         """What the contacts remember now, by the ids of the particles: copies."""
         rows = self.id[self._order]
-        i, j, shift, touching, memory = pairs_remembered(self._pairs, rows)
-        walls = {
-            wall.name: WallMemory(remembering(wall.law), _outside(arrays[3], self._order), _outside(arrays[4], self._order))
-            for wall, arrays in zip(self.scene.walls, self._walls, strict=True)
-        }
+        walls = memories.walls_remembered(self.scene.walls, self._walls, self._order)
         return Memories(
-            self.id.copy(), rows, remembering(self.scene.pair), i, j, shift, touching, memory, walls, self._tallies.sum(axis=0)
-        )
+            self.id.copy(), rows, memories.remembering(self.scene.pair), *memories.pairs_remembered(self._pairs, rows), walls,
+            self._tallies.sum(axis=0),
+        )  # fmt: skip
 
     def recall(self, found: Memories) -> None:
         """Takes up what contacts remembered, before the first `setup`: of the particles and walls that are there, walls by name. With the
         particles as they were then, the motion goes on to the last bit as if the simulation had been continued.
 
         Raises ValueError naming the wall, or the pairs, whose laws are not those that remembered."""
-        self._check_laws(found)
+        memories.check_laws(found, self.scene)
         self._take_up(found)
 
     def _take_up(self, found: Memories) -> None:
         """The order of rows, as far as those that move now still stand first, and memories of laws that are the same."""
-        here = places(found.rows, self.id)
-        inside = np.empty(len(self.id), dtype=np.int64)
-        inside[self._order] = np.arange(len(self.id))
-        known = inside[here[here >= 0]]
-        new = np.setdiff1d(np.arange(len(self.id)), known)
-        self._sort(_movers_first(self._bodies, np.concatenate([known, new])))
+        self._sort(movers_first(self._bodies, memories.rows_as_then(found, self.id, self._order)))
         rows = self.id[self._order]
-        if found.laws == remembering(self.scene.pair):
+        if found.laws == memories.remembering(self.scene.pair):
             columns = self._pairs.memory.shape[1]
-            self._allot(pairs_recalled(found, rows, columns, self._signs, periodic=any(self.scene.box.periodic)))
+            self._allot(memories.pairs_recalled(found, rows, columns, self._signs, periodic=any(self.scene.box.periodic)))
             self._tallies[0] = found.tally
-        was = places(rows, found.id)
-        for wall, (_, _, _, memory, touching) in zip(self.scene.walls, self._walls, strict=True):
-            old = found.walls.get(wall.name)
-            if old and old.laws == remembering(wall.law):
-                base = memory.shape[1] - self._extra
-                memory[was >= 0] = fitted(old.memory[was[was >= 0]], memory.shape[1], base)
-                touching[was >= 0] = old.touching[was[was >= 0]]
-
-    def _check_laws(self, found: Memories) -> None:
-        """Raises ValueError where the memory of one law would be read as that of another."""
-        laws = [("pairs", found.laws, remembering(self.scene.pair))]
-        laws += [(f"wall {wall.name}", found.walls[wall.name].laws, remembering(wall.law)) for wall in self.scene.walls if wall.name in found.walls]
-        for name, then, now in laws:
-            if then and now and then != now:
-                message = f"{name}: contacts remember {', '.join(then)}, and cannot go on with {', '.join(now)}"
-                raise ValueError(message)
+        memories.recall_walls(found, self.scene.walls, self._walls, rows, self._extra)
 
     def _rhythm(self) -> tuple[int, int, bool, float]:
         n = self.scene.neighbor
@@ -337,7 +314,7 @@ class Simulation:
         if movers == self._movers and (n <= SORT_FROM or self._lists % SORT_EVERY != 1):
             return np.zeros(0, dtype=np.int64)
         self._movers = movers
-        rows = _movers_first(b, neighbors.morton_order(b.x, bounds_of(b.x)[0], 2.0 * float(b.radius.max())))
+        rows = movers_first(b, neighbors.morton_order(b.x, bounds_of(b.x)[0], 2.0 * float(b.radius.max())))
         self._sort(rows)
         place = np.empty(n, dtype=np.int64)
         place[rows] = np.arange(n)
@@ -420,24 +397,3 @@ class Simulation:
         return -sum(
             float(np.sum((b.mass * (unwrapped @ np.array(f.acceleration)))[selected(b.mask, f.bit) & b.moving & ~b.frozen])) for f in fields
         )
-
-
-def _same_law(a: Scene, b: Scene) -> bool:
-    """Whether the contacts of one scene mean the same in the other: laws that remember the same."""
-    if a.pair is None or b.pair is None:
-        return a.pair is b.pair
-    return all(getattr(a.pair, family) == getattr(b.pair, family) for family in contact.REMEMBERING)
-
-
-def _outside(array: np.ndarray, order: Ints) -> np.ndarray:
-    """A copy of an array of rows in the scene's order; of one that is not of rows as it is."""
-    if len(array) != len(order):
-        return array.copy()
-    place = np.empty(len(order), dtype=np.int64)
-    place[order] = np.arange(len(order))
-    return array.take(place, axis=0)  # many times as fast as array[place]
-
-
-def _movers_first(b: Bodies, rows: Ints) -> Ints:
-    """`rows` with those of particles that move before the others."""
-    return np.concatenate([rows[b.moving[rows]], rows[~b.moving[rows]]])

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -147,3 +147,15 @@ def _copy(values: Floats) -> Floats:
     return np.array(values, dtype=np.float64, order="C")
 
 
+def outside(array: NDArray[Any], order: Ints) -> NDArray[Any]:
+    """A copy of an array of rows in the scene's order; of one that is not of rows as it is."""
+    if len(array) != len(order):
+        return array.copy()
+    place = np.empty(len(order), dtype=np.int64)
+    place[order] = np.arange(len(order))
+    return array.take(place, axis=0)  # many times as fast as array[place]
+
+
+def movers_first(b: Bodies, rows: Ints) -> Ints:
+    """`rows` with those of particles that move before the others."""
+    return np.concatenate([rows[b.moving[rows]], rows[~b.moving[rows]]])
