@@ -10,7 +10,7 @@ This file is read as text and placed behind a generated header, which binds, as 
     move_walls                 carries moving planes on by a step
     field_forces               gravity, freeze, ... of the scene in their order, on one particle
     PAIRS, FRICTION, ROLLING, ROTATES, BEYOND, OUTLIVES, BUDGET, PERIODIC, FROZEN, VIRIAL, THREADED, SURFACE_CONTACT, TORQUE_CONTACT, SHIFTING,
-    IMPLICIT, MOVING, VERLET, SLEEPS, FREE, UNIFORM, ONE_LAW: constants; what is False (of the last three: True) costs nothing. BASE: columns of
+    IMPLICIT, MOVING, VERLET, SLEEPS, FREE, UNIFORM, ONE_LAW, GUARD: constants; what is False (of the last three: True) costs nothing. BASE: columns of
                                memory that the pair law has. ROLLING_INERTIA: of one sphere rolling about its contact point, over m R^2
 
 Velocity Verlet as LAMMPS does it: contact forces of step n see x(n) and the velocities of step n - 1/2 (at set-up: of step n).
@@ -38,6 +38,7 @@ import numpy as np
 from numba import prange
 
 FORCES, FINISH, GO_ON = 0, 1, 2  # modes of a sweep
+DUE, TOO_FAST, TOO_DEEP = 1, 2, 3  # why run_steps returns before its steps are done
 NONE, NOBODY = np.int64(0), np.uint64(0)
 
 
@@ -62,7 +63,9 @@ def do_block(count, w, mine, b, p, near, equal, coefficients, ntypes, dt, advanc
     """The contacts in the lanes 0..count; w: where what is kept goes, returned as it then is."""
     for u in range(count):
         gather(u, b, p, equal, ntypes, lanes, past, who)
-    act(count, equal, coefficients, dt, advance, lanes, past, who)
+    deep = act(count, equal, coefficients, dt, advance, lanes, past, who)
+    if GUARD:
+        tally[6] += deep
     for u in range(count):
         a, o, both = deliver(u, b, p, equal, dt, advance, tally, lanes, past, who)
         if THREADED and np.int64(a) >= mine:
@@ -133,7 +136,7 @@ def end_step(c, mode, b, flat, movers, pushed, walls, fields, dt, advance, tally
 def push(low, high, mode, b, flat, movers):
     """What forces do to the particles low..high at the end of a step. Returns the largest squared change of a velocity by a kick."""
     jump = 0.0
-    if PAIRS:  # nobody else asks
+    if PAIRS or GUARD:  # nobody else asks
         for i in range(low, high):
             k = b.kick[0 if UNIFORM else i, 0]
             jump = max(jump, k * k * (b.force[i, 0] ** 2 + b.force[i, 1] ** 2 + b.force[i, 2] ** 2))
@@ -189,16 +192,16 @@ def sweep(mode, b, flat, movers, p, near, shifts, equal, coefficients, ntypes, w
 
 
 @entry
-def run_steps(start, steps, age, rhythm, b, flat, movers, p, near, shifts, equal, coefficients, ntypes, walls, fields, dt, tallies, paces):
-    """Runs until `steps` are done or the list is due; returns (steps done, age of the list, list due in mid-step?).
+def run_steps(start, steps, age, rhythm, b, flat, movers, p, near, shifts, equal, coefficients, ntypes, walls, fields, dt, tallies, paces, guard):
+    """Runs until `steps` are done; returns (steps done, age of the list, 0 or why it stopped before: DUE, the list in mid-step; TOO_FAST, TOO_DEEP).
 
     start: 0 at the begin of a step; 1 in mid-step, behind the renewal of the list; 2 set-up: forces only, histories stay.
     rhythm: (every, delay, check, squared half skin) as LAMMPS' neigh_modify. movers: how many particles move; they stand in the first rows.
-    flat: see state.Flat.
+    flat: see state.Flat. guard: see guard.Guard.numbers.
     """
     every, delay, check, reach = rhythm
     n = b.x.shape[0]
-    done, due = 0, False
+    done, due = 0, 0
     jump = 0.0
     watch = START_WATCH
     if start == 0 and steps > 0:
@@ -210,6 +213,7 @@ def run_steps(start, steps, age, rhythm, b, flat, movers, p, near, shifts, equal
     if start != 0:
         near.scale[1] = 0.0
     fastest = top_speed(movers, b)
+    haste = most_haste(movers, b, guard) if GUARD else 0.0
     while done < steps or start == 2:
         if start == 0:
             if MOVING:
@@ -217,14 +221,14 @@ def run_steps(start, steps, age, rhythm, b, flat, movers, p, near, shifts, equal
             age += 1
             near.scale[1] += dt * fastest
             if age >= delay and age % every == 0:
-                due = not check
+                due = 0 if check else DUE
                 # the way of the fastest of each step is a bound: while it is below, nobody can have gone too far
                 if check and (not PAIRS or SHIFTING or near.scale[1] ** 2 >= 0.999 * reach):
                     gone = farthest(b)
-                    due = gone > reach
+                    due = DUE if gone > reach else 0
                     if PAIRS:
                         near.scale[1], fastest = sqrt(gone), top_speed(movers, b)
-                if due:
+                if due != 0:
                     break
         if PAIRS:
             watch = renew_near(watch, b, movers, p, near, shifts, equal, dt, sqrt(jump))
@@ -237,4 +241,13 @@ def run_steps(start, steps, age, rhythm, b, flat, movers, p, near, shifts, equal
         fastest += sqrt(jump)
         done += 1
         start = 0
+        if GUARD:
+            haste += sqrt(jump) / guard[4]  # a bound, as for the list
+            if haste > guard[0]:
+                haste = most_haste(movers, b, guard)
+            trouble = TOO_FAST if haste > guard[0] else (TOO_DEEP if guard[5] != 0.0 and tallies[:, 6].any() else 0)
+            if trouble != 0 and done == steps:
+                due = trouble
+            elif trouble != 0:
+                steps = done + 1  # the particles are on their way: this step is done too
     return done, age, due

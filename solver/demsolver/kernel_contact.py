@@ -6,7 +6,7 @@ Memory columns of a contact: first BASE columns of the law's own; with BUDGET al
 normal damping force, the tangential force, its torques on both sides, the rolling torques on both sides; then the power that a wall's motion gives
 to the spring.
 Tally: 0 work of the normal damping, 1 work of the tangential force, 2 work of viscous drag, 4 work of the rolling torques; negative while they
-take energy; 5 work of the walls' motion on the particles. With VIRIAL: 3 the sum of r.F over the pairs of the last force evaluation. A row a chunk.
+take energy; 5 work of the walls' motion on the particles; 6 contacts that were deeper than DEEPEST of the smaller radius (GUARD). With VIRIAL: 3 the sum of r.F over the pairs of the last force evaluation. A row a chunk.
 """
 
 # ruff: noqa: F821
@@ -166,7 +166,9 @@ def rolling_inertia(ma, ra, mo, ro):
 
 @compiled
 def act(count, equal, coefficients, dt, advance, lanes, past, who):
-    """The law in the lanes 0..count: force P on who feels it, torques G on it and H on the other, and what the books want to know."""
+    """The law in the lanes 0..count: force P on who feels it, torques G on it and H on the other, and what the books want to know. Returns how many
+    are too deep."""
+    deep = NOBODY
     for u in range(min(count, np.uint64(BLOCK))):
         dx, dy, dz = lanes[DX + u], lanes[DY + u], lanes[DZ + u]
         ra, ro = (equal[0], equal[0]) if UNIFORM else (lanes[RA + u], lanes[RO + u])
@@ -177,6 +179,8 @@ def act(count, equal, coefficients, dt, advance, lanes, past, who):
         inverse = 1.0 / distance
         nx, ny, nz = dx * inverse, dy * inverse, dz * inverse
         overlap = reach - distance
+        if GUARD:
+            deep += np.uint64(overlap > DEEPEST * (ra if UNIFORM else min(ra, ro)))
         vx, vy, vz = lanes[VX + u], lanes[VY + u], lanes[VZ + u]
         vn = vx * nx + vy * ny + vz * nz
         tx = ty = tz = ux = uy = uz = inertia = 0.0
@@ -218,6 +222,7 @@ def act(count, equal, coefficients, dt, advance, lanes, past, who):
         if BUDGET:
             lanes[FX + u], lanes[FY + u], lanes[FZ + u] = fx, fy, fz
             lanes[QX + u], lanes[QY + u], lanes[QZ + u] = qx, qy, qz
+    return deep
 
 
 @inlined

@@ -127,7 +127,7 @@ def kick_all(b, movers):
 
 
 @entry
-def run_steps(start, steps, age, rhythm, b, flat, movers, p, near, shifts, equal, coefficients, ntypes, walls, fields, dt, tallies, paces):
+def run_steps(start, steps, age, rhythm, b, flat, movers, p, near, shifts, equal, coefficients, ntypes, walls, fields, dt, tallies, paces, guard):
     """As kernel.run_steps. Instead of the steps done -1: a step leaves the list even though that is new; -2: the sweeps did not agree."""
     reach = rhythm[3]
     n = b.x.shape[0]
@@ -139,16 +139,16 @@ def run_steps(start, steps, age, rhythm, b, flat, movers, p, near, shifts, equal
         inverse_mass[i] = 0.0 if b.frozen[i] or i >= movers else 2.0 * b.kick[0 if UNIFORM else i, 0] / dt
     if start == 2:
         forces(b, flat, movers, p, near, shifts, equal, coefficients, ntypes, walls, fields, dt, False, tallies, paces)
-        return done, age, False
+        return done, age, 0
     while True:
         if start == 0:
             if done == steps:
-                return done, age, False
+                return done, age, 0
             kick_all(b, movers)
         start = 0
         steady_forces(b, fields)
         if not solve_step(b, p, shifts, coefficients, ntypes, walls, dt, inverse_mass, path, pull, wall_pull):
-            return -2, age, False
+            return -2, age, 0
         farthest = 0.0
         for i in range(n):
             moved = 0.0
@@ -156,7 +156,7 @@ def run_steps(start, steps, age, rhythm, b, flat, movers, p, near, shifts, equal
                 moved += (b.x[i, c] + path[i, c] - b.held[i, c]) ** 2
             farthest = max(farthest, moved)
         if farthest > reach:
-            return (-1 if age == 0 else done), age, True
+            return (-1 if age == 0 else done), age, DUE
         age += 1
         for i in range(n):
             for c in range(3):

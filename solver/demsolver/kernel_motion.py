@@ -47,6 +47,17 @@ def top_speed(movers, b):
 
 
 @shared
+def most_haste(movers, b, guard):
+    """Largest speed over radius of those that move, as seen by guard[1:4]."""
+    most = 0.0
+    for i in range(movers):
+        if b.radius[i] > 0.0:
+            square = (b.v[i, 0] - guard[1]) ** 2 + (b.v[i, 1] - guard[2]) ** 2 + (b.v[i, 2] - guard[3]) ** 2
+            most = max(most, square / b.radius[i] ** 2)
+    return sqrt(most)
+
+
+@shared
 def farthest(b):
     """Largest squared way of a particle since the list was built."""
     most = 0.0

@@ -11,6 +11,8 @@ Here `wall_contact` is the wall's law; SURFACE_CONTACT and TORQUE_CONTACT say wh
 def wall_force(i, nx, ny, nz, overlap, reff, wvx, wvy, wvz, turning, b, memory, coefficients, dt, advance, tally):
     """Contact of particle i with one wall whose normal (towards the particle), overlap, surface velocity and angular velocity are given."""
     w = b.omega
+    if GUARD and overlap > DEEPEST * b.radius[i]:
+        tally[6] += 1.0
     vx, vy, vz = b.v[i, 0] - wvx, b.v[i, 1] - wvy, b.v[i, 2] - wvz
     vn = vx * nx + vy * ny + vz * nz
     arm = b.radius[i] - 0.5 * overlap if SURFACE_CONTACT else b.radius[i]

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Any, Literal
+from warnings import warn
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +16,7 @@ from demsolver.bind_scene import field_arrays, pair_coefficients, wall_arrays
 from demsolver.bind_walls import PLACE
 from demsolver.check import check_scene
 from demsolver.energy_budget import EnergyBudget
+from demsolver.guard import Good, Guard, OnInstability
 from demsolver.listed import Listed, listed, without
 from demsolver.memories import Memories
 from demsolver.near import START_LEEWAY, near_of
@@ -21,7 +24,7 @@ from demsolver.neighbor_grid import bounds_of
 from demsolver.scene import Box, Gravity, Particles, Plane, Scene
 from demsolver.sleep import Sleep, Sleepers, check_sleep
 from demsolver.specialise import BUDGET_COLUMNS, CHUNK, features, specialise
-from demsolver.state import Bodies, Floats, Ints, Pairs, bodies_of, flat_of, inertia_of, movers_first, outside, selected
+from demsolver.state import Bodies, Floats, Ints, Pairs, bodies_of, flat_of, inertias, movers_first, outside, selected
 from demsolver.threads import use_threads
 from demsolver.trouble import LostParticles, Unstable, check_finite, check_flight, refused
 
@@ -30,6 +33,10 @@ SORT_FROM = CHUNK
 SORT_EVERY = 24
 """Lists between two sortings: neighbours drift apart slowly."""
 BEGIN, MIDDLE, SETUP = 0, 1, 2  # where kernel.run_steps starts
+DUE, TOO_FAST, TOO_DEEP = 1, 2, 3  # why it ends before its steps are done
+UNGUARDED = np.array([np.inf, 0.0, 0.0, 0.0, 1.0, 0.0])
+
+TALLIES = 7  # see kernel_contact.py
 
 Precision = Literal["double", "mixed"]
 
@@ -42,7 +49,8 @@ class Simulation:
     those too small to share out (specialise.CHUNK), run on one. `budget=True` also keeps the account of dissipated energy, `virial=True` the
     virial of the pairs. precision "mixed" takes the vector between two particles, their velocities against each other and the force between
     them as float32; positions, velocities, sums and memories stay float64. sleep: leaves islands at rest out of the steps (sleep.py states the
-    error); everybody wakes in `continue_with`.
+    error); everybody wakes in `continue_with`. on_instability: what a guard does that finds the run going wrong (guard.py): "stop" raises
+    Unstable, "warn" calls `tell` with one line for each kind of trouble and goes on, "off" does not look, but for what is no number.
 
     Inside, particles stand in rows of their own order, sorted in space. Outside they stand in the scene's: `bodies`, `pairs`, `image` and
     `particles()` are copies, made when asked for. id: (n,), of the particles that are left.
@@ -50,7 +58,7 @@ class Simulation:
 
     def __init__(
         self, scene: Scene, *, threads: int = 1, budget: bool = False, virial: bool = False, precision: Precision = "double",
-        sleep: Sleep | None = None,
+        sleep: Sleep | None = None, on_instability: OnInstability = "stop", tell: Callable[[str], object] = warn,
     ) -> None:  # fmt: skip
         check_scene(scene)
         if sleep:
@@ -61,7 +69,8 @@ class Simulation:
         self.id: Ints = np.asarray(scene.particles.id, dtype=np.int64)
         self.virial = virial
         self._budget, self._precision = budget, precision
-        self._has = features(scene, threads, budget=budget, virial=virial, sleeps=sleep is not None)
+        self._has = features(scene, threads, budget=budget, virial=virial, sleeps=sleep is not None, guard=on_instability != "off")
+        self._guard = Guard(scene, on_instability == "stop", tell) if on_instability != "off" else None
         self._asked, self._threads = threads, threads if self._has.THREADED else 1
         self._kernel = specialise(scene, self._has)
         self._signs = memory_signs(scene.pair)
@@ -75,7 +84,7 @@ class Simulation:
         self._fields = field_arrays(scene)
         self._coefficients = pair_coefficients(scene, one=self._has.ONE_LAW)
         self._equal = (float(scene.particles.radius[0]), float(scene.particles.mass[0])) if self._has.UNIFORM else (0.0, 0.0)
-        self._tallies = np.zeros((0, 6))
+        self._tallies = np.zeros((0, TALLIES))
         self._scale = np.array([scene.particles.radius.mean() if len(self.id) else 0.0, 0.0, START_LEEWAY])
         self._movers = int(self._bodies.moving.sum())
         self._sleepers = Sleepers(sleep, len(self.id)) if sleep else None
@@ -118,7 +127,9 @@ class Simulation:
         """Wraps, rebuilds the list, and computes forces with the velocities as they are, without growing any history."""
         self._relist()
         self._run(SETUP, 0)
-        check_finite(self._bodies, self.step, self.scene)
+        if self._guard:
+            self._guard.begin(self)
+        self._look()
 
     def advance(self, steps: int) -> None:
         """Runs `steps` steps. Raises Unstable or LostParticles."""
@@ -135,29 +146,59 @@ class Simulation:
                     self._relist()
 
     def _advance(self, steps: int) -> None:
-        done, due = self._run(BEGIN, steps)
-        while due:
+        while steps > 0:
+            portion = steps if self._guard is None else min(steps, self._guard.steps_to_look(self.step))
+            steps -= self._stretch(portion)
+            self._look()
+
+    def _stretch(self, steps: int) -> int:
+        """At most so many steps; returns how many: fewer where the guard has something to say."""
+        done, why = self._run(BEGIN, steps)
+        while why == DUE:
             self._relist()
-            more, due = self._run(MIDDLE, steps - done)
+            more, why = self._run(MIDDLE, steps - done)
             done += more
+        if self._guard and why == TOO_FAST:
+            self._guard.too_fast(self)
+        elif self._guard and why == TOO_DEEP:
+            self._guard.too_deep(self)
+        return done
+
+    def here(self) -> Good:
+        """What moves, as it is now: copies."""
+        b = self._bodies
+        omega = b.omega.copy() if self._has.ROTATES else self._still[self._order]
+        return Good(self.step, self.id[self._order], b.x.copy(), b.v.copy(), omega, self._image.copy(), self.box_lo.copy(), self.box_hi.copy())
+
+    def _look(self) -> None:
         check_finite(self._bodies, self.step, self.scene)
+        if self._guard:
+            self._guard.look(self)
+
+    @property
+    def deep(self) -> bool:
+        """Whether the loop has met a contact that is too deep; kept where a guard is."""
+        return bool(self._tallies[:, 6].any())
+
+    @property
+    def last_good(self) -> Good | None:
+        """The last state that the guard found well; None without a guard, or before its first look."""
+        return self._guard.good if self._guard else None
 
     def energy_budget(self) -> EnergyBudget:
         """The account of energy now; needs budget=True."""
         if not self._budget:
             message = "the energy budget was not kept: make the Simulation with budget=True"
             raise ValueError(message)
-        normal, tangential, rolling = self._kernel.stored(
-            self._bodies, self._pairs, self._shifts(), self._coefficients, self.scene.ntypes, self._flat_walls(), self.scene.timestep
-        )
-        b, spent = self.bodies, -self._tallies.sum(axis=0)
+        spent = -self._tallies.sum(axis=0)
+        (kinetic, rotational), (normal, tangential, rolling) = self._kinetic(), self._stored()
         return EnergyBudget(
-            kinetic=0.5 * float(np.sum(b.mass * np.sum(b.v**2, axis=1))),
-            rotational=0.5 * float(np.sum(inertia_of(self._now()) * np.sum(b.omega**2, axis=1))),
+            kinetic=kinetic,
+            rotational=rotational,
             elastic_normal=normal,
             elastic_tangential=tangential,
             elastic_rolling=rolling,
-            gravitational=self._gravitational(b),
+            gravitational=float(self._heights().sum()),
             damped=float(spent[0]),
             rubbed=float(spent[1]) - tangential,
             rolled=float(spent[4]) - rolling,
@@ -165,15 +206,30 @@ class Simulation:
             driven=-float(spent[5]),
         )
 
+    def mechanical_energy(self) -> tuple[float, float, float, float]:
+        """Kinetic and rotational energy; elastic energy of all contacts; potential energy of gravity; the sum of the magnitudes that this is made of."""
+        lively, stored, heights = sum(self._kinetic()), sum(self._stored()), self._heights()
+        return lively, stored, float(heights.sum()), lively + abs(stored) + float(np.abs(heights).sum())
+
+    def _kinetic(self) -> tuple[float, float]:
+        """Of translation and rotation."""
+        b = self._bodies
+        omega = b.omega if self._has.ROTATES else self._still[self._order]
+        inertia = inertias(self.scene, b.mask, b.mass, b.radius)
+        return 0.5 * float(np.einsum("i,ic,ic", b.mass, b.v, b.v)), 0.5 * float(np.einsum("i,ic,ic", inertia, omega, omega))
+
+    def _stored(self) -> tuple[float, float, float]:
+        normal, tangential, rolling = self._kernel.stored(
+            self._bodies, self._pairs, self._shifts(), self._coefficients, self.scene.ntypes, self._flat_walls(), self.scene.timestep
+        )
+        return normal, tangential, rolling
+
     def pair_virial(self) -> float:
         """Sum of r.F over the pairs at the last force evaluation; needs virial=True."""
         if not self.virial:
             message = "the virial was not kept: make the Simulation with virial=True"
             raise ValueError(message)
         return float(self._tallies[:, 3].sum())
-
-    def _now(self) -> Scene:
-        return replace(self.scene, particles=self.particles())
 
     def particles(self) -> Particles:
         """The particles as they are now: copies."""
@@ -205,7 +261,10 @@ class Simulation:
             sleep = self._sleepers.sleep
             if self._sleepers.wake_all(self._bodies):  # whatever has changed, they may feel it
                 self._relist()
-        other = Simulation(scene, threads=self._asked, budget=self._budget, virial=virial, precision=self._precision, sleep=sleep)
+        other = Simulation(
+            scene, threads=self._asked, budget=self._budget, virial=virial, precision=self._precision, sleep=sleep,
+            on_instability="off" if self._guard is None else ("stop" if self._guard.stops else "warn"), tell=self._guard.tell if self._guard else warn,
+        )  # fmt: skip
         other.step = self.step
         if not np.array_equal(other.id, self.id):
             return other
@@ -267,16 +326,17 @@ class Simulation:
         shifts: Floats = neighbors.SHIFTS * (self.box_hi - self.box_lo)
         return shifts
 
-    def _run(self, start: int, steps: int) -> tuple[int, bool]:
+    def _run(self, start: int, steps: int) -> tuple[int, int]:
         use_threads(self._threads)
-        done, self._age, due = self._kernel.run_steps(
+        done, self._age, why = self._kernel.run_steps(
             start, steps, self._age, self._rhythm(), self._bodies, flat_of(self._bodies), self._movers, self._pairs, self._near, self._shifts(),
             self._equal, self._coefficients, self.scene.ntypes, self._flat_walls(), self._fields, self.scene.timestep, self._tallies, self._paces,
+            self._guard.numbers if self._guard else UNGUARDED,
         )  # fmt: skip
         if done < 0:
             raise Unstable(refused(done, self.step, self.scene))
         self.step += done
-        return done, due
+        return done, why
 
     def _relist(self) -> None:
         """What the engines do when the list is due: wrap, shrink the box, drop the lost, list the pairs, carry their memory."""
@@ -347,7 +407,7 @@ class Simulation:
         chunks = len(self._near.chunks)
         if len(self._tallies) != chunks:
             spent = self._tallies.sum(axis=0)
-            self._tallies, self._paces = np.zeros((chunks, 6)), np.zeros(chunks)
+            self._tallies, self._paces = np.zeros((chunks, TALLIES)), np.zeros(chunks)
             self._tallies[0] = spent
 
     def _shrink(self, lows: Floats, highs: Floats) -> None:
@@ -373,10 +433,14 @@ class Simulation:
                 gone |= x[:, axis] >= self.box_hi[axis]
         if gone.any():
             if self.scene.lost == "error":
+                if self._guard:
+                    self._guard.lost(self)
                 first = int(self.id[self._order[gone]].min())
                 message = f"{int(gone.sum())} particles left the box by step {self.step}, the first with id {first}"
                 raise LostParticles(message)
             self._delete(~gone)
+            if self._guard:
+                self._guard.forget_energy()
             return wraps[~gone]
         return wraps
 
@@ -391,9 +455,12 @@ class Simulation:
         self._movers = int(self._bodies.moving.sum())
         self._allot(pairs)
 
-    def _gravitational(self, b: Bodies) -> float:
-        unwrapped = b.x + self.image * (self.box_hi - self.box_lo)
-        fields = [f for f in self.scene.forces if isinstance(f, Gravity)]
-        return -sum(
-            float(np.sum((b.mass * (unwrapped @ np.array(f.acceleration)))[selected(b.mask, f.bit) & b.moving & ~b.frozen])) for f in fields
-        )
+    def _heights(self) -> Floats:
+        """Potential energy of gravity of each row that it can move."""
+        b = self._bodies
+        unwrapped = b.x + self._image * (self.box_hi - self.box_lo)
+        heights = np.zeros(len(b.x))
+        for field in self.scene.forces:
+            if isinstance(field, Gravity):
+                heights -= np.where(selected(b.mask, field.bit) & b.moving & ~b.frozen, b.mass * (unwrapped @ np.array(field.acceleration)), 0.0)
+        return heights

@@ -40,6 +40,7 @@ HERE = Path(__file__).parent
 CHUNK = 1024
 """Rows that are done in one go, and by one thread: enough to be worth it, few enough to stay in a core's cache. Part of what a result depends on."""
 BUDGET_COLUMNS = 19  # of a contact's memory, behind those of its law
+DEEPEST = 0.5  # overlap over the smaller radius that the guard allows
 
 
 def meets(scene: Scene) -> bool:
@@ -102,9 +103,10 @@ class Features:
     UNIFORM: bool
     ONE_LAW: bool
     SAME_TORQUE: bool
+    GUARD: bool
 
 
-def features(scene: Scene, threads: int = 1, *, budget: bool = False, virial: bool = False, sleeps: bool = False) -> Features:
+def features(scene: Scene, threads: int = 1, *, budget: bool = False, virial: bool = False, sleeps: bool = False, guard: bool = False) -> Features:
     """What the loop of this scene needs. Raises ValueError for two integrators in one scene."""
     pair = scene.pair if meets(scene) else None
     schemes = {type(integrator) for integrator in scene.integrate}
@@ -137,6 +139,7 @@ def features(scene: Scene, threads: int = 1, *, budget: bool = False, virial: bo
         FREE=pair is not None and not scene.forces and not scene.walls and not aside,
         UNIFORM=_uniform(scene),
         SAME_TORQUE=_uniform(scene) and pair is not None and not turns(pair),
+        GUARD=guard,
         ONE_LAW=pair is not None and bool((coefficient_table(pair) == coefficient_table(pair)[0]).all()),
     )
 
@@ -209,6 +212,7 @@ def source(scene: Scene, has: Features) -> str:
         f"HOME, PARTNER_FEELS = {HOME}, {PARTNER_FEELS}",
         f"BLOCK, FIELDS = {BLOCK}, {FIELDS}",
         f"ROLLING_INERTIA = {scene.rolling_inertia}",
+        f"DEEPEST = {DEEPEST}",
         "TINY = 1e-200  # at zero overlap, where LIGGGHTS' walls touch already, stiffness is a limit",
         *(f"{name} = {value}" for name, value in asdict(has).items()),
         *(f"from {_load(shared_source(name, has)).__name__} import *" for name in ("motion", "near")),

@@ -137,10 +137,15 @@ def _integration(scene: Scene) -> tuple[Floats, Floats]:
 def inertia_of(scene: Scene) -> Floats:
     """Moment of inertia (n,): 2/5 m R^2, or the factor of the integrator that moves the particle (1/2 for discs)."""
     p = scene.particles
-    factor = np.full(len(p.id), 0.4)
+    return inertias(scene, p.mask, p.mass, p.radius)
+
+
+def inertias(scene: Scene, mask: Ints, mass: Floats, radius: Floats) -> Floats:
+    """The same of particles of a scene, in any order."""
+    factor = np.full(len(mask), 0.4)
     for integrator in scene.integrate:
-        factor[selected(p.mask, integrator.bit)] = integrator.inertia
-    return factor * p.mass * p.radius**2
+        factor[selected(mask, integrator.bit)] = integrator.inertia
+    return factor * mass * radius**2
 
 
 def _copy(values: Floats) -> Floats:

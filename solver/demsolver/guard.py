@@ -1,0 +1,199 @@
+"""Tells when a run goes wrong, before its numbers are believed: on by default, Simulation(scene, on_instability="stop").
+
+    speed    a particle moves more than FARTHEST of its radius in a step: it could pass through another unseen. Looked at in every step.
+    overlap  a contact is deeper than DEEPEST of the smaller radius: a centre may come to the wrong side. Looked at in every step.
+    energy   the energy has grown by more than GROWTH of what kinetic and elastic energy there was, and nothing drives it. Every `every` steps.
+    numbers  a position, velocity, spin, force or torque is no number any more. Every `every` steps, and wherever a list is made.
+
+Speeds are those against walls and particles at rest, or, where there are none, against the mean of all: a gas that drifts as a whole is as good as
+one at rest. While a particle moves half its radius in a step at most, two cannot change places without a step in which they overlap, and no centre
+reaches a wall; that contact is then deep, or it is seen as any other.
+
+Energy is kinetic, elastic and potential energy of gravity. It is looked at where no motion is prescribed (a wall that moves, `setforce`, particles that
+move and are integrated by nobody): there it may grow.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+
+from demsolver import neighbors
+from demsolver.listed import Listed
+from demsolver.scene import Plane, Scene, SetForce
+from demsolver.specialise import DEEPEST
+from demsolver.stability_contacts import contacts_in
+from demsolver.state import Floats, moved
+from demsolver.trouble import Unstable
+
+if TYPE_CHECKING:
+    from demsolver.simulate import Simulation
+
+OnInstability = Literal["stop", "warn", "off"]
+FARTHEST = 0.5
+_NOBODY = Listed(*(np.zeros(0, dtype=np.int64) for _ in range(4)), np.zeros((0, 0)))  # type: ignore[arg-type]
+GROWTH = 1.0
+LEAST_EVERY, LOOK_COSTS = 200, 20_000
+"""A look costs about as much as one step of the particles there are, and as much as LOOK_COSTS steps of a single one."""
+FORGETS = 0.9
+"""Part of the energy scale that is left after a look: what a run once had says little of what it has now."""
+ROUNDING = 1e-9
+"""Of the magnitudes that the energy is the difference of."""
+
+
+@dataclass(frozen=True)
+class Good:
+    """A state in which all was well. id: (n,) in no order; x, v, omega: (n, 3); image: (n, 3) periodic wraps; lo, hi: (3,) of the box."""
+
+    step: int
+    id: np.ndarray
+    x: Floats
+    v: Floats
+    omega: Floats
+    image: np.ndarray
+    lo: Floats
+    hi: Floats
+
+
+@dataclass
+class Guard:
+    """The guard of one simulation. tell: called with one line for each kind of trouble, once, where the run is to go on ("warn")."""
+
+    scene: Scene
+    stops: bool
+    tell: Callable[[str], object]
+    good: Good | None = None
+    _told: set[str] = field(default_factory=set)
+    _floor: float = np.inf
+    _scale: float = 0.0
+    _before: tuple[int, float] = (0, 0.0)
+    _start: int = 0
+    _next: int = 0
+
+    def __post_init__(self) -> None:
+        p = self.scene.particles
+        self.every = max(LEAST_EVERY, LOOK_COSTS // max(1, len(p.id)))
+        self.driven = _driven(self.scene)
+        movers = moved(self.scene) & (p.radius > 0.0)
+        still = bool(self.scene.walls) or not moved(self.scene).all()
+        frame = np.zeros(3) if still or not len(p.id) else p.v.mean(axis=0)
+        lonely = len(p.id) < 2 and not self.scene.walls
+        limit = FARTHEST / self.scene.timestep if movers.any() and not lonely and self.scene.timestep > 0.0 else np.inf
+        self.numbers = np.array([limit, *frame, p.radius[movers].min() if movers.any() else 1.0, 1.0])
+        """What the loop reads: speed over radius that is too fast, whose frame (3), the smallest radius, whether depth is looked at."""
+
+    def steps_to_look(self, step: int) -> int:
+        """From this step to the next look: soon at first, later every `every` steps."""
+        return max(1, self._next - step)
+
+    def begin(self, simulation: Simulation) -> None:
+        """At a run that has been set up: speeds and overlaps. Raises Unstable where it is to stop."""
+        self._start = self._next = simulation.step
+        self.suspect(simulation)
+
+    def look(self, simulation: Simulation) -> None:
+        """At a state whose numbers are finite, when it is time: its energy. Keeps it as the last good one if all is well.
+
+        Raises Unstable where the run is to stop."""
+        step = simulation.step
+        if step < self._next:
+            return
+        self._next = step + min(self.every, max(LEAST_EVERY, step - self._start))
+        if not self.driven:
+            self._energy(simulation)
+        if not self._told:
+            self.good = simulation.here()
+
+    def suspect(self, simulation: Simulation) -> None:
+        """Looks at speeds and overlaps now. Raises Unstable where the run is to stop."""
+        if self.numbers[0] < np.inf:
+            self.too_fast(simulation)
+        if self.numbers[5] != 0.0 and simulation.deep:
+            self.too_deep(simulation)
+
+    def too_fast(self, simulation: Simulation) -> None:
+        """Says who moves too far in a step, if anybody does. Raises Unstable where the run is to stop."""
+        dt, b = self.scene.timestep, simulation.bodies
+        part = np.where(b.moving & (b.radius > 0.0), np.linalg.norm(b.v - self.numbers[1:4], axis=1), 0.0) * dt / np.where(b.radius > 0.0, b.radius, 1.0)
+        worst = int(np.argmax(part)) if len(part) else 0
+        if not len(part) or part[worst] <= FARTHEST:
+            return
+        self.numbers[0] = np.inf
+        self._say(
+            "speed",
+            f"particle {simulation.id[worst]} moves {part[worst]:.3g} of its radius in step {simulation.step} (limit {FARTHEST:g}) and could pass through "
+            f"others unseen: shorten the timestep {dt:g} to {0.9 * dt * FARTHEST / max(part[worst], FARTHEST):.2g}, or look at what made it so fast",
+        )
+
+    def too_deep(self, simulation: Simulation) -> None:
+        """Says whose contact is too deep. Raises Unstable where the run is to stop."""
+        self.numbers[5] = 0.0
+        overlap, who = deepest(simulation)
+        found = f"{who} overlap by {overlap:.3g} of the smaller radius" if overlap > DEEPEST else "two that have parted since overlapped too far"
+        self._say(
+            "overlap",
+            f"{found} in step {simulation.step} (limit {DEEPEST:g}): start them apart, make the contact stiffer, or shorten the timestep "
+            f"{self.scene.timestep:g}",
+        )
+
+    def lost(self, simulation: Simulation) -> None:
+        """Particles have left the box: whether for a reason that should be told. Raises Unstable where the run is to stop."""
+        self.suspect(simulation)
+        if not self.driven:
+            self._energy(simulation)
+
+    def forget_energy(self) -> None:
+        """Particles have left, and their energy with them."""
+        self._floor = np.inf
+
+    def _energy(self, simulation: Simulation) -> None:
+        kinetic, elastic, potential, weight = simulation.mechanical_energy()
+        lively, total = kinetic + elastic, kinetic + elastic + potential
+        (step, before), grown, limit = self._before, total - self._floor, GROWTH * self._scale + ROUNDING * weight
+        self._before, self._floor, self._scale = (simulation.step, lively), min(self._floor, total), max(FORGETS * self._scale, lively)
+        if grown > limit:
+            fastest = int(simulation.id[np.argmax(np.sum(simulation.bodies.v**2, axis=1))])
+            self._say(
+                "energy",
+                f"the energy grew by {grown:.3g} by step {simulation.step}, which is more than there was in step {step} "
+                f"({before:.3g} kinetic and elastic), and nothing drives it; the fastest is particle {fastest}: shorten the timestep {self.scene.timestep:g}",
+            )
+
+    def _say(self, kind: str, line: str) -> None:
+        if self.stops:
+            raise Unstable(line)
+        if kind not in self._told:
+            self._told.add(kind)
+            self.tell(line)
+
+
+def deepest(simulation: Simulation) -> tuple[float, str]:
+    """The deepest contact now: its overlap over the smaller radius, and who they are; -inf if nobody can touch."""
+    b, pairs = simulation.bodies, simulation.pairs
+    d = b.x[pairs.i] - b.x[pairs.j] - neighbors.SHIFTS[pairs.shift] * (simulation.box_hi - simulation.box_lo)
+    radius = np.minimum(b.radius[pairs.i], b.radius[pairs.j])
+    part = (b.radius[pairs.i] + b.radius[pairs.j] - np.linalg.norm(d, axis=1))[radius > 0.0] / radius[radius > 0.0]
+    found, who = -np.inf, "nobody"
+    if len(part) and not np.isnan(part).all():
+        worst = int(np.nanargmax(part))
+        i, j = sorted(int(simulation.id[side[radius > 0.0][worst]]) for side in (pairs.i, pairs.j))
+        found, who = float(part[worst]), f"particles {i} and {j}"
+    contacts = contacts_in(simulation.scene, b, _NOBODY, simulation.box_hi - simulation.box_lo)
+    at_wall = contacts.overlap / b.radius[contacts.i]
+    if len(at_wall) and at_wall.max() > found:
+        worst = int(np.argmax(at_wall))
+        found, who = float(at_wall[worst]), f"particle {simulation.id[contacts.i[worst]]} and wall {simulation.scene.walls[contacts.law[worst]].name}"
+    return found, who
+
+
+def _driven(scene: Scene) -> bool:
+    """Whether something may do work on the particles of which no account is kept here."""
+    stands = ~moved(scene)
+    return (
+        any(any(wall.velocity) or (isinstance(wall.shape, Plane) and wall.shape.moving) for wall in scene.walls)
+        or any(isinstance(force, SetForce) for force in scene.forces)
+        or bool(scene.particles.v[stands].any() or scene.particles.omega[stands].any())
+    )

@@ -1,0 +1,176 @@
+"""The guard: what goes wrong is said, before or when it happens, by its kind, with who and when; what goes well is not disturbed."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from demsolver import Box, ContactLaw, EulerSphere, Gravity, Neighbor, NveSphere, Plane, Scene, SetForce, Simulation, Slab, Unstable, Wall
+from demsolver.guard import DEEPEST, FARTHEST
+from tests.support.scenes import bed, spheres
+from tests.support.steps import KN, MASS, RADIUS, linear, on_floor
+
+SPRING = linear((1, 1), mu=0.0)
+FLOOR = linear((1,), mu=0.0)
+STEP = 1e-5  # the half period of a contact is pi sqrt(MASS/2 KN) = 8e-4
+
+
+def meeting(speed: float, dt: float = STEP, *, ratio: float = 1.0, gap: float = 0.3, drift: float = 0.0, law: ContactLaw = SPRING) -> Scene:
+    """Two spheres closing in head on with `speed`, the second of `ratio` times the radius, `gap` radii apart, both drifting along y."""
+    radius = np.array([RADIUS, ratio * RADIUS])
+    x = np.array([[0.0, 0.0, 0.0], [radius.sum() + gap * RADIUS, 0.0, 0.0]])
+    p = spheres(x, radius, v=np.array([[0.5 * speed, drift, 0.0], [-0.5 * speed, drift, 0.0]]))
+    return Scene(Box(np.full(3, -1.0), np.full(3, 1.0)), p, 1, dt, pair=law, integrate=(NveSphere(),), neighbor=Neighbor(0.5 * RADIUS))
+
+
+def message_of(scene: Scene, steps: int) -> str:
+    """What stops the run, or nothing."""
+    try:
+        simulation = Simulation(scene)
+        simulation.setup()
+        simulation.advance(steps)
+    except Unstable as error:
+        return str(error)
+    return ""
+
+
+@pytest.mark.parametrize("make", [lambda: bed(1e-5), lambda: meeting(1.0)])
+def test_a_guarded_run_has_the_bits_of_one_without(make) -> None:  # type: ignore[no-untyped-def]
+    """Law: the guard changes no number."""
+    runs = []
+    for mode in ("off", "stop", "warn"):
+        simulation = Simulation(make(), on_instability=mode)  # type: ignore[arg-type]
+        simulation.setup()
+        simulation.advance(777)
+        runs.append(simulation.bodies)
+    for one in runs[1:]:
+        assert all(np.array_equal(a, b) for a, b in zip(runs[0], one, strict=True))
+
+
+def test_too_fast_is_said_with_the_particle_and_a_step_that_would_do() -> None:
+    """Law: more than half its radius in a step stops the run before any harm, and the step that is advised runs."""
+    scene = replace(meeting(2.2 * FARTHEST * RADIUS / STEP, gap=40.0), pair=linear((1, 1), mu=0.0))
+    said = message_of(scene, 5)
+    assert said.startswith("particle 1 moves 0.55 of its radius in step 0 (limit 0.5)")
+    advised = float(said.split("shorten the timestep ")[1].split(" to ")[1].split(",")[0])
+    assert message_of(replace(scene, timestep=advised), 5) == ""
+
+
+@pytest.mark.parametrize("part", [0.55, 1.0, 3.7, 40.0, 1000.0])
+def test_nobody_tunnels_unseen(part: float) -> None:
+    """Law: two that would change places between steps, or a ball and a floor, never do so silently, however fast."""
+    fast = part * RADIUS / STEP
+    assert message_of(meeting(2.0 * fast, gap=7.3), 40)
+    ball = on_floor(STEP, FLOOR, along=-fast, overlap=-7.3 * RADIUS, pull=0.0)
+    assert message_of(ball, 40)
+    assert message_of(replace(ball, integrate=(EulerSphere(),)), 40)
+
+
+@pytest.mark.parametrize("part", [0.45, 0.55])
+def test_speed_counts_in_radii_of_the_one_that_moves(part: float) -> None:
+    """Law: a small sphere may move half of its own radius in a step, whatever the size of what it meets."""
+    scene = meeting(0.0, ratio=0.01, gap=0.5)
+    scene.particles.v[1, 0] = -part * 0.01 * RADIUS / STEP
+    assert message_of(scene, 0).startswith("particle 2 moves 0.55 of its radius") == (part > FARTHEST)
+
+
+def test_a_drift_of_all_is_no_speed() -> None:
+    """Law: without walls only speeds against each other count (Galilei): 5 radii a step of common drift are nothing, with a wall they are."""
+    drift = 5.0 * RADIUS / STEP
+    assert message_of(meeting(0.5, drift=drift), 100) == ""
+    floor = Wall("floor", Slab(2, lo=-0.9), FLOOR)
+    assert "moves 5 of its radius" in message_of(replace(meeting(0.5, drift=drift), walls=(floor,)), 100)
+
+
+@pytest.mark.parametrize("part", [0.49, 0.51])
+def test_too_deep_is_said_at_set_up(part: float) -> None:
+    """Law: an overlap of more than half the smaller radius stops the run at once, and names both."""
+    said = message_of(meeting(0.0, gap=-part, ratio=3.0), 0)
+    assert said.startswith("particles 1 and 2 overlap by 0.51 of the smaller radius in step 0 (limit 0.5)") == (part > DEEPEST)
+
+
+def test_two_particles_at_one_point_are_said() -> None:
+    """Law: no direction to part in is an overlap of 2 of the radius, not NaN."""
+    scene = meeting(0.0, gap=-2.0)
+    assert message_of(scene, 0).startswith("particles 1 and 2 overlap by 2 of the smaller radius in step 0")
+
+
+def test_too_deep_at_a_wall_names_the_wall() -> None:
+    """Law: the same at walls."""
+    assert message_of(on_floor(1e-6, FLOOR, overlap=0.6 * RADIUS), 0).startswith("particle 1 and wall floor overlap by 0.6 of the smaller radius")
+
+
+def test_a_deep_impact_is_said_in_the_step_that_makes_it() -> None:
+    """Law: a soft contact driven beyond half a radius stops in the step after, where the closed form v/omega sin(omega t) is there."""
+    omega = np.sqrt(2.0 * KN / MASS)
+    speed = 0.6 * RADIUS * omega  # would reach 0.6 radii at a quarter period
+    scene = replace(meeting(speed, gap=1e-9), timestep=1e-3 / omega)
+    said = message_of(scene, 2000)
+    step = int(said.split(" in step ")[1].split(" ")[0])
+    reached = np.arcsin(0.5 / 0.6) / 1e-3
+    assert step == pytest.approx(reached, abs=3)
+
+
+def test_growth_of_energy_is_said() -> None:
+    """Law: a step a little above the limit of a contact grows from rounding and is stopped for its energy, long before anything is infinite."""
+    scene = on_floor(1.001 * 2.0 * np.sqrt(MASS / KN), FLOOR, along=1e-9)
+    said = message_of(scene, 100_000)
+    assert "the energy grew by" in said
+    assert "particle 1" in said
+
+
+@pytest.mark.parametrize("drive", ["wall", "force", "conveyor"])
+def test_a_driven_scene_may_gain_energy(drive: str) -> None:
+    """Law: where motion is prescribed energy may grow; nobody is accused."""
+    scene = on_floor(1e-5, linear((1,), gamman=1000.0, mu=0.5, kt=KN, xt=0.5))
+    scene = replace(scene, box=replace(scene.box, boundary=("ss", "ss", "ss")))
+    if drive == "wall":
+        plane = Plane((0.0, 0.0, 1.0), 0.0, velocity=(0.0, 0.0, 0.5))
+        scene = replace(scene, walls=(replace(scene.walls[0], shape=plane),))
+    elif drive == "force":
+        scene = replace(scene, forces=(*scene.forces, SetForce((1e-2, None, None))))
+    else:
+        scene = replace(scene, walls=(replace(scene.walls[0], velocity=(1.0, 0.0, 0.0)),))
+    assert message_of(scene, 60_000) == ""
+
+
+def test_falling_bouncing_and_settling_are_no_growth() -> None:
+    """Law: energy that gravity gives comes from somewhere: nothing is said of a ball that falls, bounces without loss or comes to rest."""
+    for gamman in (0.0, 50.0, 2000.0):
+        ball = on_floor(1e-5, linear((1,), gamman=gamman, mu=0.0), overlap=-3.0 * RADIUS, pull=9.81)
+        assert message_of(ball, 300_000) == ""
+
+
+def test_warn_goes_on_and_says_each_kind_once() -> None:
+    """Law: with "warn" the run goes on, and each kind of trouble is told once."""
+    told: list[str] = []
+    scene = replace(meeting(2.4 * FARTHEST * RADIUS / STEP, gap=1.0), pair=linear((1, 1), mu=0.0))
+    simulation = Simulation(scene, on_instability="warn", tell=told.append)
+    simulation.setup()
+    simulation.advance(50)
+    assert simulation.step == 50
+    assert [line.split()[0] for line in told] == ["particle", "two"]
+
+
+def test_the_last_good_state_is_kept() -> None:
+    """Law: what is kept is the state at the last look before the trouble, bit for bit that of a run to that step."""
+    scene = on_floor(1.001 * 2.0 * np.sqrt(MASS / KN), FLOOR, along=1e-9)
+    simulation = Simulation(scene)
+    simulation.setup()
+    with pytest.raises(Unstable):
+        simulation.advance(100_000_000)
+    good = simulation.last_good
+    assert good is not None
+    again = Simulation(scene, on_instability="off")
+    again.setup()
+    again.advance(good.step)
+    assert np.array_equal(again.bodies.x, good.x)
+    assert np.array_equal(again.bodies.v, good.v)
+
+
+def test_nobody_to_meet_is_not_watched() -> None:
+    """Law: a single particle without walls can meet nobody, and flies as fast as it likes."""
+    lonely = replace(meeting(0.0), particles=spheres(np.zeros((1, 3)), np.array([RADIUS]), v=np.array([[100 * RADIUS / STEP, 0.0, 0.0]])))
+    assert message_of(replace(lonely, box=Box(np.full(3, -1.0), np.full(3, 1.0), ("ss", "ss", "ss")), forces=(Gravity((0.0, 0.0, -9.81)),)), 300) == ""
