@@ -71,7 +71,7 @@ def test_nobody_tunnels_unseen(part: float) -> None:
 @pytest.mark.parametrize("part", [0.45, 0.55])
 def test_speed_counts_in_radii_of_the_one_that_moves(part: float) -> None:
     """Law: a small sphere may move half of its own radius in a step, whatever the size of what it meets."""
-    scene = meeting(0.0, ratio=0.01, gap=0.5)
+    scene = replace(meeting(0.0, ratio=0.01, gap=0.5), walls=(Wall("floor", Slab(2, lo=-0.9), FLOOR),))
     scene.particles.v[1, 0] = -part * 0.01 * RADIUS / STEP
     assert message_of(scene, 0).startswith("particle 2 moves 0.55 of its radius") == (part > FARTHEST)
 
