@@ -21,6 +21,7 @@ from demverify.errors import InputError, Place
 from demverify.formats.atomic import check_writable
 
 if TYPE_CHECKING:
+    from demsolver.guard import OnInstability as GuardMode
     from demverify.engines.base import Progress
 
 INTERRUPTED = "interrupted; what was written is readable"
@@ -46,6 +47,9 @@ Var = Annotated[
 Threads = Annotated[int, typer.Option(min=1, max=256, help="Threads of the native engine.")]
 Ranks = Annotated[int, typer.Option(min=1, help="MPI ranks of LAMMPS and LIGGGHTS.")]
 Strict = Annotated[bool, typer.Option("--strict", help="Native engine: refuse a step above its stability limit, instead of warning.")]
+OnInstability = Annotated[
+    str, typer.Option("--on-instability", metavar="stop|warn|off", help="Native engine: what the guard does that finds a run going wrong.")
+]
 Precision = Annotated[str, typer.Option(help="Native engine: double, or mixed (a contact's geometry and force as float32).")]
 Sleep = Annotated[
     float | None,
@@ -64,6 +68,7 @@ def compare(
     threads: Threads = 1,
     ranks: Ranks = 1,
     timeout: Timeout = 3600.0,
+    on_instability: OnInstability = "stop",
     json: Json = None,
 ) -> None:
     """Run a deck or a case in every engine there is, and say where they agree."""
@@ -76,7 +81,9 @@ def compare(
 
     variables = variables_of(var)
     check_writable(json)
-    settings = Settings(known_engines(engine), threads, ranks, timeout, tuple(accept or ()))
+    settings = Settings(
+        known_engines(engine), threads, ranks, timeout, tuple(accept or ()), on_instability=guard_of(on_instability), warn=_warner(target)
+    )
     if not target.exists() and not split_variant(target):
         message = f"there is no deck or case folder {target}"
         raise InputError(message)
@@ -104,6 +111,7 @@ def run(
     strict: Strict = False,
     precision: Precision = "double",
     sleep: Sleep = None,
+    on_instability: OnInstability = "stop",
     json: Json = None,
 ) -> None:
     """Run a deck in one engine; leaves its dumps, thermo.csv and trajectory.h5 in a folder."""
@@ -122,13 +130,14 @@ def run(
     if precision not in PRECISIONS:
         message = f"--precision {precision} is not one of {', '.join(PRECISIONS)}"
         raise InputError(message)
-    modes = {"precision": precision, "sleep": sleep}
-    if name != "native" and modes != {"precision": "double", "sleep": None}:
-        message = f"--precision and --sleep are of the native engine; {name} has no such modes"
+    modes, guard = {"precision": precision, "sleep": sleep}, guard_of(on_instability)
+    if name != "native" and (guard != "stop" or modes != {"precision": "double", "sleep": None}):
+        message = f"--precision, --sleep and --on-instability are of the native engine; {name} has no such modes"
         raise InputError(message)
     job = Job(deck, out, variables, output_interval(deck, variables, name), timeout, ranks, threads)
     with _bars() as watch:
-        found = execute(name, name, job, watch(name), unstable=_refuser(deck) if strict else _warner(deck), modes=modes)
+        unstable = _refuser(deck) if strict else _warner(deck)
+        found = execute(name, name, job, watch(name), modes=modes, unstable=unstable, on_instability=guard, warn=_warner(deck))
     if json:
         write_json(json, None, {name: engine_info(found)})
     if found.outcome.status != "ok":
@@ -183,6 +192,14 @@ def _refuser(deck: Path) -> Callable[[str], NoReturn]:
         raise InputError(message, Place(deck))
 
     return refuse
+
+
+def guard_of(word: str) -> GuardMode:
+    """--on-instability as Simulation has it. Raises InputError."""
+    if word not in ("stop", "warn", "off"):
+        message = f"--on-instability {word} is not one of stop, warn, off"
+        raise InputError(message)
+    return word  # type: ignore[return-value]
 
 
 def variables_of(given: Sequence[str] | None) -> dict[str, list[str]]:

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
@@ -25,6 +25,9 @@ from demverify.report.content import DifferenceCurve, EnergySeries, EngineInfo, 
 from demverify.rules import under_liggghts_rules
 from demverify.runs import Plan, Run, engine_of, execute, frame_interval, native_label, plan
 
+if TYPE_CHECKING:
+    from demsolver.guard import OnInstability
+
 DIALECTS: tuple[Dialect, Dialect] = ("lammps", "liggghts")
 NO_CHAOS = Envelope(np.zeros(0, dtype=np.int64), {})
 """Excuses nothing."""
@@ -36,7 +39,7 @@ Watch = Callable[[str], Progress | None]
 @dataclass(frozen=True)
 class Settings:
     """Of a comparison. engines: those asked for, None for all. accept: ids of the register that the user lives with. thorough: keeps the account of
-    energy, and measures the chaos envelope also where no difference asks for it."""
+    energy, and measures the chaos envelope also where no difference asks for it. on_instability, warn: of native runs, as NativeBackend has them."""
 
     engines: tuple[str, ...] | None = None
     threads: int = 1
@@ -44,6 +47,8 @@ class Settings:
     timeout_s: float = 3600.0
     accept: tuple[str, ...] = ()
     thorough: bool = True
+    on_instability: OnInstability = "stop"
+    warn: Callable[[str], object] | None = None
 
     def __post_init__(self) -> None:
         """Raises InputError for an id that the register does not have."""
@@ -74,6 +79,13 @@ class _Work:
         known, settings = self.plans[dialect], self.settings
         interval = every or self.case.every or frame_interval(known.steps, known.particles)
         return Job(known.deck, self.out / folder, dict(self.case.variables), interval, settings.timeout_s, settings.ranks, settings.threads)
+
+    def native(self, label: str, job: Job, doing: str, **more: Any) -> Run:
+        """A run of the native engine. doing: what is shown meanwhile; more: settings of NativeBackend."""
+        s = self.settings
+        return execute(
+            "native", label, job, self.watch(doing), keep=True, budget=s.thorough, on_instability=s.on_instability, warn=s.warn, **more
+        )
 
 
 def find_case(target: Path, out: Path, variables: Mapping[str, list[str]]) -> tuple[Case, tuple[tuple[str, str, str], ...]]:
@@ -154,7 +166,7 @@ def _run_dialect(work: _Work, dialect: Dialect) -> dict[str, Run]:
     label, asked = native_label(dialect, work.plans), work.settings.engines
     found: dict[str, Run] = {}
     if asked is None or "native" in asked:
-        found[label] = execute("native", label, work.job(dialect, label), work.watch(label), keep=True, budget=work.settings.thorough)
+        found[label] = work.native(label, work.job(dialect, label), label)
     if dialect not in work.case.without and (asked is None or dialect in asked):
         found[dialect] = execute(dialect, dialect, work.job(dialect, dialect), work.watch(dialect), keep=True)
     return found
@@ -168,8 +180,7 @@ def _envelopes(work: _Work, runs: Mapping[str, Run]) -> dict[Dialect, Envelope]:
     """How far each native run parts from the same run that starts one unit in the last place away."""
     found: dict[Dialect, Envelope] = {}
     for run in _native(runs):
-        job, seen = work.job(run.dialect, f"{run.label}-nudged"), work.watch(f"{run.label} nudged")
-        nudged = execute("native", run.label, job, seen, keep=True, budget=work.settings.thorough, nudge=nudge)
+        nudged = work.native(run.label, work.job(run.dialect, f"{run.label}-nudged"), f"{run.label} nudged", nudge=nudge)
         found[run.dialect] = Envelope.from_frames(run.frames, nudged.frames)
     return found
 
@@ -228,7 +239,7 @@ def _same_scene(work: _Work, runs: Mapping[str, Run], envelopes: Mapping[Dialect
     every = theirs.frames[1].step - theirs.frames[0].step if len(theirs.frames) > 1 else 1
     rules = partial(under_liggghts_rules, other=work.plans["liggghts"].runs[0].scene)
     job, most = work.job("lammps", "native-rules", every), max(TIER2_STEPS, every)
-    swapped = execute("native", "native", job, work.watch("same scene?"), keep=True, rules=rules, most=most)
+    swapped = work.native("native", job, "same scene?", rules=rules, most=most)
     last = swapped.frames[-1].step if swapped.frames else -1
     frames = [frame for frame in theirs.frames if frame.step <= last]
     checks = compare_series(swapped.frames, frames, (SAME_RULES, theirs.label), envelopes.get("liggghts"))

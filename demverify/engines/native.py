@@ -17,6 +17,7 @@ from demverify.errors import InputError
 
 if TYPE_CHECKING:
     from demsolver import EnergyBudget, Scene, Simulation, Sleep
+    from demsolver.guard import OnInstability
     from demsolver.memories import Memories
     from demverify.deck.restart import Restart
     from demverify.deck.setup import DumpSpec, Setup
@@ -56,6 +57,7 @@ class NativeBackend:
 
     nudge: moves the positions of the first run, for the chaos envelope. rules: changes the scene of every run. most: stop after so many
     steps. keep: keep frames in memory. budget: keep the energy account. unstable: told, in one line, of a step above a stability limit.
+    on_instability: as Simulation has it; what "warn" says goes to log.native and to `warn`.
     modes: `precision` of Simulation, and `sleep`, a speed or None.
     """
 
@@ -72,6 +74,8 @@ class NativeBackend:
         keep: bool = False,
         progress: Progress | None = None,
         unstable: Callable[[str], object] | None = None,
+        on_instability: OnInstability = "stop",
+        warn: Callable[[str], object] | None = None,
         modes: Mapping[str, Any] | None = None,
     ) -> None:
         from demsolver.stability_watch import StepWatch
@@ -87,12 +91,15 @@ class NativeBackend:
         self._nudge, self._keep, self._progress = nudge, keep, progress
         self._rules, self._most, self._modes = rules, most, dict(modes or {})
         self._simulation: Simulation | None = None
+        self._setup: Setup | None = None
         self._files = ExitStack()
         self._dumps: dict[str, _OpenDump] = {}
         self._log: Any = None
         self._thermo: list[tuple[tuple[str, ...], list[list[float]]]] = []
         self._checks = StepChecks()
         self._watch = StepWatch(unstable) if unstable else None
+        self._on_instability: OnInstability = on_instability
+        self._warn = warn
         self._trajectory: Any = None
         self._last_frame = -1
 
@@ -121,6 +128,17 @@ class NativeBackend:
         self._said = len(self.printed)
         self._log.write(text)
 
+    def _tell(self, line: str) -> None:
+        self.say(f"WARNING: {line}\n")
+        if self._warn:
+            self._warn(line)
+
+    def save_last_good(self) -> str:
+        """Writes the last state in which all was well, for a run that has gone wrong. Returns what to tell of it."""
+        from demverify.engines._last_good import save_last_good
+
+        return save_last_good(self._folder, self._setup, self._simulation) if self._setup and self._simulation else ""
+
     def _open(self) -> None:
         from demverify.formats.atomic import atomic_write
         from demverify.formats.h5md import TrajectoryWriter
@@ -133,7 +151,7 @@ class NativeBackend:
     def run(self, setup: Setup, steps: int) -> None:
         """One `run` command."""
         steps = steps if self._most is None else min(steps, self._most - self.outputs.steps)
-        simulation = self._prepare(setup)
+        simulation, self._setup = self._prepare(setup), setup
         run = _Run(self, setup, simulation, steps)
         simulation.setup()  # compiles the loop too, the first time
         if self._watch:
@@ -194,7 +212,10 @@ class NativeBackend:
                 scene.particles.x[:] = self._nudge(scene.particles.x)
                 self._nudged = True
             precision = self._modes.get("precision", "double")
-            self._simulation = Simulation(scene, threads=self._threads, budget=self._budget, virial=virial, precision=precision, sleep=sleep)
+            self._simulation = Simulation(
+                scene, threads=self._threads, budget=self._budget, virial=virial, precision=precision, sleep=sleep,
+                on_instability=self._on_instability, tell=self._tell,
+            )  # fmt: skip
         else:
             self._simulation = self._simulation.continue_with(scene, virial=virial)
         if notes := recalled(self._simulation, setup):
@@ -384,7 +405,7 @@ class Native:
                 interpreter.run_deck(job.deck)
                 backend.say("")
             except (LostParticles, Unstable) as error:
-                reason = str(error)
+                reason = str(error) + backend.save_last_good()
         out, found = backend.outputs, self.find()
         rate = out.particle_steps / out.loop_s if out.loop_s > 0 else 0.0
         n = len(backend._simulation.id) if backend._simulation else 0

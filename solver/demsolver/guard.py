@@ -9,8 +9,9 @@ Speeds are those against walls and particles at rest, or, where there are none, 
 one at rest. While a particle moves half its radius in a step at most, two cannot change places without a step in which they overlap, and no centre
 reaches a wall; that contact is then deep, or it is seen as any other.
 
-Energy is kinetic, elastic and potential energy of gravity. It is looked at where no motion is prescribed (a wall that moves, `setforce`, particles that
-move and are integrated by nobody): there it may grow.
+Energy is kinetic, elastic and potential energy of gravity. It is not looked at where motion or a force is prescribed (a wall that moves, `setforce`,
+`addforce`, particles that move and are integrated by nobody): there it may grow. The elastic part is asked for where it can matter: when kinetic and
+potential energy alone are far from what the total was.
 """
 
 from __future__ import annotations
@@ -23,7 +24,7 @@ import numpy as np
 
 from demsolver import neighbors
 from demsolver.listed import Listed
-from demsolver.scene import Plane, Scene, SetForce
+from demsolver.scene import AddForce, Cylinder, Plane, Scene, SetForce, Wall
 from demsolver.specialise import DEEPEST
 from demsolver.stability_contacts import contacts_in
 from demsolver.state import Floats, moved
@@ -34,12 +35,15 @@ if TYPE_CHECKING:
 
 OnInstability = Literal["stop", "warn", "off"]
 FARTHEST = 0.5
-_NOBODY = Listed(*(np.zeros(0, dtype=np.int64) for _ in range(4)), np.zeros((0, 0)))  # type: ignore[arg-type]
+_NONE = np.zeros(0, dtype=np.int64)
+_NOBODY = Listed(_NONE, _NONE, _NONE, np.zeros(0, dtype=np.uint8), np.zeros((0, 0)))
 GROWTH = 1.0
 LEAST_EVERY, LOOK_COSTS = 200, 20_000
 """A look costs about as much as one step of the particles there are, and as much as LOOK_COSTS steps of a single one."""
 FORGETS = 0.9
 """Part of the energy scale that is left after a look: what a run once had says little of what it has now."""
+VISIBLE = 0.5
+"""Part of the energy scale by which kinetic and potential energy may differ from the known total before all of it is computed."""
 ROUNDING = 1e-9
 """Of the magnitudes that the energy is the difference of."""
 
@@ -67,8 +71,9 @@ class Guard:
     tell: Callable[[str], object]
     good: Good | None = None
     _told: set[str] = field(default_factory=set)
-    _floor: float = np.inf
-    _scale: float = 0.0
+    _floor: float = np.inf  # least total energy so far
+    _total: float = np.inf  # the last that is known
+    _scale: float = 0.0  # kinetic and elastic energy that there lately was
     _before: tuple[int, float] = (0, 0.0)
     _start: int = 0
     _next: int = 0
@@ -117,15 +122,16 @@ class Guard:
     def too_fast(self, simulation: Simulation) -> None:
         """Says who moves too far in a step, if anybody does. Raises Unstable where the run is to stop."""
         dt, b = self.scene.timestep, simulation.bodies
-        part = np.where(b.moving & (b.radius > 0.0), np.linalg.norm(b.v - self.numbers[1:4], axis=1), 0.0) * dt / np.where(b.radius > 0.0, b.radius, 1.0)
+        moves = b.moving & (b.radius > 0.0)
+        part = np.where(moves, np.linalg.norm(b.v - self.numbers[1:4], axis=1) * dt, 0.0) / np.where(moves, b.radius, 1.0)
         worst = int(np.argmax(part)) if len(part) else 0
         if not len(part) or part[worst] <= FARTHEST:
             return
         self.numbers[0] = np.inf
         self._say(
             "speed",
-            f"particle {simulation.id[worst]} moves {part[worst]:.3g} of its radius in step {simulation.step} (limit {FARTHEST:g}) and could pass through "
-            f"others unseen: shorten the timestep {dt:g} to {0.9 * dt * FARTHEST / max(part[worst], FARTHEST):.2g}, or look at what made it so fast",
+            f"particle {simulation.id[worst]} moves {part[worst]:.3g} of its radius in step {simulation.step} (limit {FARTHEST:g}) and could pass "
+            f"through others unseen: shorten the timestep {dt:g} to {0.9 * dt * FARTHEST / part[worst]:.2g}, or look at what made it so fast",
         )
 
     def too_deep(self, simulation: Simulation) -> None:
@@ -147,19 +153,25 @@ class Guard:
 
     def forget_energy(self) -> None:
         """Particles have left, and their energy with them."""
-        self._floor = np.inf
+        self._floor = self._total = np.inf
 
     def _energy(self, simulation: Simulation) -> None:
-        kinetic, elastic, potential, weight = simulation.mechanical_energy()
-        lively, total = kinetic + elastic, kinetic + elastic + potential
-        (step, before), grown, limit = self._before, total - self._floor, GROWTH * self._scale + ROUNDING * weight
-        self._before, self._floor, self._scale = (simulation.step, lively), min(self._floor, total), max(FORGETS * self._scale, lively)
+        kinetic, potential, weight = simulation.visible_energy()
+        near = abs(kinetic + potential - self._total) <= VISIBLE * self._scale
+        if self._total < np.inf and near:
+            self._before, self._scale = (simulation.step, kinetic), max(FORGETS * self._scale, kinetic)
+            return
+        lively = kinetic + (simulation.elastic_energy() if simulation.touches else 0.0)
+        (step, before), grown = self._before, lively + potential - self._floor
+        limit = GROWTH * self._scale + ROUNDING * (weight + lively)
+        self._total = lively + potential
+        self._before, self._floor, self._scale = (simulation.step, lively), min(self._floor, self._total), max(FORGETS * self._scale, lively)
         if grown > limit:
             fastest = int(simulation.id[np.argmax(np.sum(simulation.bodies.v**2, axis=1))])
             self._say(
                 "energy",
-                f"the energy grew by {grown:.3g} by step {simulation.step}, which is more than there was in step {step} "
-                f"({before:.3g} kinetic and elastic), and nothing drives it; the fastest is particle {fastest}: shorten the timestep {self.scene.timestep:g}",
+                f"the energy grew by {grown:.3g} by step {simulation.step}, which is more than there was in step {step} ({before:.3g} kinetic "
+                f"and elastic), and nothing drives it; the fastest is particle {fastest}: shorten the timestep {self.scene.timestep:g}",
             )
 
     def _say(self, kind: str, line: str) -> None:
@@ -193,7 +205,13 @@ def _driven(scene: Scene) -> bool:
     """Whether something may do work on the particles of which no account is kept here."""
     stands = ~moved(scene)
     return (
-        any(any(wall.velocity) or (isinstance(wall.shape, Plane) and wall.shape.moving) for wall in scene.walls)
-        or any(isinstance(force, SetForce) for force in scene.forces)
+        any(_moves(wall) for wall in scene.walls)
+        or any(isinstance(force, SetForce | AddForce) for force in scene.forces)
         or bool(scene.particles.v[stands].any() or scene.particles.omega[stands].any())
     )
+
+
+def _moves(wall: Wall) -> bool:
+    shape = wall.shape
+    turns = isinstance(shape, Cylinder) and shape.rotation is not None
+    return any(wall.velocity) or turns or (isinstance(shape, Plane) and shape.moving)

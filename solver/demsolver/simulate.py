@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
 from typing import Any, Literal
 from warnings import warn
 
@@ -36,7 +35,7 @@ BEGIN, MIDDLE, SETUP = 0, 1, 2  # where kernel.run_steps starts
 DUE, TOO_FAST, TOO_DEEP = 1, 2, 3  # why it ends before its steps are done
 UNGUARDED = np.array([np.inf, 0.0, 0.0, 0.0, 1.0, 0.0])
 
-TALLIES = 7  # see kernel_contact.py
+ACCOUNT, TALLIES = 6, 7  # columns of a tally that are the account of energy, and all: see kernel_contact.py
 
 Precision = Literal["double", "mixed"]
 
@@ -70,6 +69,7 @@ class Simulation:
         self.virial = virial
         self._budget, self._precision = budget, precision
         self._has = features(scene, threads, budget=budget, virial=virial, sleeps=sleep is not None, guard=on_instability != "off")
+        self._on_instability: OnInstability = on_instability
         self._guard = Guard(scene, on_instability == "stop", tell) if on_instability != "off" else None
         self._asked, self._threads = threads, threads if self._has.THREADED else 1
         self._kernel = specialise(scene, self._has)
@@ -178,7 +178,12 @@ class Simulation:
     @property
     def deep(self) -> bool:
         """Whether the loop has met a contact that is too deep; kept where a guard is."""
-        return bool(self._tallies[:, 6].any())
+        return bool(self._tallies[:, ACCOUNT].any())
+
+    @property
+    def touches(self) -> bool:
+        """Whether anything touches anything."""
+        return bool((self._pairs.touching & 1).any()) or any(wall[-1].any() for wall in self._walls)
 
     @property
     def last_good(self) -> Good | None:
@@ -190,7 +195,7 @@ class Simulation:
         if not self._budget:
             message = "the energy budget was not kept: make the Simulation with budget=True"
             raise ValueError(message)
-        spent = -self._tallies.sum(axis=0)
+        spent = -self._account()
         (kinetic, rotational), (normal, tangential, rolling) = self._kinetic(), self._stored()
         return EnergyBudget(
             kinetic=kinetic,
@@ -206,10 +211,18 @@ class Simulation:
             driven=-float(spent[5]),
         )
 
-    def mechanical_energy(self) -> tuple[float, float, float, float]:
-        """Kinetic and rotational energy; elastic energy of all contacts; potential energy of gravity; the sum of the magnitudes that this is made of."""
-        lively, stored, heights = sum(self._kinetic()), sum(self._stored()), self._heights()
-        return lively, stored, float(heights.sum()), lively + abs(stored) + float(np.abs(heights).sum())
+    def visible_energy(self) -> tuple[float, float, float]:
+        """Kinetic energy with that of the spins; potential energy of gravity; the sum of the magnitudes that the latter is made of."""
+        heights = self._heights()
+        return sum(self._kinetic()), float(heights.sum()), float(np.abs(heights).sum())
+
+    def elastic_energy(self) -> float:
+        """Of all contacts."""
+        return sum(self._stored())
+
+    def _account(self) -> Floats:
+        account: Floats = self._tallies[:, :ACCOUNT].sum(axis=0)
+        return account
 
     def _kinetic(self) -> tuple[float, float]:
         """Of translation and rotation."""
@@ -263,7 +276,7 @@ class Simulation:
                 self._relist()
         other = Simulation(
             scene, threads=self._asked, budget=self._budget, virial=virial, precision=self._precision, sleep=sleep,
-            on_instability="off" if self._guard is None else ("stop" if self._guard.stops else "warn"), tell=self._guard.tell if self._guard else warn,
+            on_instability=self._on_instability, tell=self._guard.tell if self._guard else warn,
         )  # fmt: skip
         other.step = self.step
         if not np.array_equal(other.id, self.id):
@@ -276,7 +289,7 @@ class Simulation:
             other._sort(rows)
             if memories.same_law(scene, self.scene):
                 other._allot(self._pairs)
-                other._tallies[0] = self._tallies.sum(axis=0)
+                other._tallies[0, :ACCOUNT] = self._account()
         kept = {wall.name: (wall, arrays) for wall, arrays in zip(self.scene.walls, self._walls, strict=True)}
         for wall, (geometry, _, _, memory, touching) in zip(scene.walls, other._walls, strict=True):
             if wall.name not in kept:
@@ -294,7 +307,7 @@ class Simulation:
         walls = memories.walls_remembered(self.scene.walls, self._walls, self._order)
         return Memories(
             self.id.copy(), rows, memories.remembering(self.scene.pair), *memories.pairs_remembered(self._pairs, rows), walls,
-            self._tallies.sum(axis=0),
+            self._account(),
         )  # fmt: skip
 
     def recall(self, found: Memories) -> None:
@@ -312,7 +325,7 @@ class Simulation:
         if found.laws == memories.remembering(self.scene.pair):
             columns = self._pairs.memory.shape[1]
             self._allot(memories.pairs_recalled(found, rows, columns, self._signs, periodic=any(self.scene.box.periodic)))
-            self._tallies[0] = found.tally
+            self._tallies[0, :ACCOUNT] = found.tally
         memories.recall_walls(found, self.scene.walls, self._walls, rows, self._extra)
 
     def _rhythm(self) -> tuple[int, int, bool, float]:

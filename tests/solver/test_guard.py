@@ -172,5 +172,6 @@ def test_the_last_good_state_is_kept() -> None:
 
 def test_nobody_to_meet_is_not_watched() -> None:
     """Law: a single particle without walls can meet nobody, and flies as fast as it likes."""
-    lonely = replace(meeting(0.0), particles=spheres(np.zeros((1, 3)), np.array([RADIUS]), v=np.array([[100 * RADIUS / STEP, 0.0, 0.0]])))
-    assert message_of(replace(lonely, box=Box(np.full(3, -1.0), np.full(3, 1.0), ("ss", "ss", "ss")), forces=(Gravity((0.0, 0.0, -9.81)),)), 300) == ""
+    bullet = spheres(np.zeros((1, 3)), np.array([RADIUS]), v=np.array([[100 * RADIUS / STEP, 0.0, 0.0]]))
+    box = Box(np.full(3, -1.0), np.full(3, 1.0), ("ss", "ss", "ss"))
+    assert message_of(replace(meeting(0.0), particles=bullet, box=box, forces=(Gravity((0.0, 0.0, -9.81)),)), 300) == ""
