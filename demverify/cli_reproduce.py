@@ -37,7 +37,7 @@ def reproduce(
         with _bar(name) as progress:
             found[name] = studies.run(name, quick, progress)
         command = f"demverify reproduce {name}{' --quick' if quick else ''}"
-        print_study(name, found[name], write_study(out / name, name, found[name], command))
+        print_study(name, found[name], write_study(out / name, found[name], command))
     if json:
         write_whole(json, as_json({"quick": quick, "studies": {name: as_dict(one) for name, one in found.items()}}))
     raise typer.Exit(1 if any(studies.unexplained(one) for one in found.values()) else 0)

@@ -1,4 +1,4 @@
-"""The page, the pictures and the numbers of a study: report.html, which needs nothing else, an svg file a figure, numbers.json."""
+"""The page, the pictures and the numbers of a study: report.html, which needs nothing else, an svg file a figure, numbers.json, numbers.h5."""
 
 from __future__ import annotations
 
@@ -17,19 +17,26 @@ import numpy as np
 from demverify.report.axes import scientific
 from demverify.report.charts import write_svg
 from demverify.report.json import write_whole
+from demverify.report.numbers import write_numbers
 from demverify.studies import Claim, Figure, Finding, Study, Table, unexplained
 
+_WORDS = {
+    "document": ("Document", "The document states", "Where the document does not say"),
+    "theory": ("What is looked at", "What should be", "How it was done"),
+}
+"""Head of the page, of a table of statements, and of the readings, by who makes the statements."""
 _BADGES = {"came out": ("pass", "✓"), "did not come out": ("skipped", "✕"), "unexplained": ("fail", "!")}
 
 
-def write_study(folder: Path, name: str, study: Study, command: str) -> Path:
+def write_study(folder: Path, study: Study, command: str) -> Path:
     """Writes everything into `folder`, which exists; each file whole or not at all. Returns the page."""
     for finding in study.findings:
         for figure in finding.figures:
             write_svg(folder / f"{figure.name}.svg", figure.svg)
     write_whole(folder / "numbers.json", as_json(as_dict(study)))
+    write_numbers(folder / "numbers.h5", {finding.title: finding.numbers for finding in study.findings})
     page = folder / "report.html"
-    write_whole(page, render(name, study, command))
+    write_whole(page, render(study, command))
     return page
 
 
@@ -77,21 +84,22 @@ def summary(study: Study) -> str:
     return f"{told}, {len(claims) - kept - open_} did not for the reason given" + (f", {open_} did not and nothing says why." if open_ else ".")
 
 
-def render(name: str, study: Study, command: str) -> str:
+def render(study: Study, command: str) -> str:
     """The page as text. command: what to type to get it again."""
     template = Template(files("demverify.report").joinpath("template.html").read_text(encoding="utf-8"))
     sound = not unexplained(study)
+    about, stated, read = _WORDS[study.states]
     return template.substitute(
-        eyebrow=f"demverify reproduce {escape(name)}",
+        eyebrow=escape(command.partition(" --")[0]),
         title=escape(study.title),
         verdict="pass" if sound else "fail",
         sign="✓" if sound else "!",
         word="Every statement came out, or it is known why not" if sound else "Something did not come out, and nothing says why",
         summary=escape(summary(study)),
         body="\n".join([
-            _section("Document", f'<p class="lead">{escape(study.source)}</p>{_contents(study)}'),
-            *(_finding(k, finding) for k, finding in enumerate(study.findings)),
-            _section("Where the document does not say", _readings(study)) if study.readings else "",
+            _section(about, f'<p class="lead">{escape(study.source)}</p>{_contents(study)}'),
+            *(_finding(k, finding, stated) for k, finding in enumerate(study.findings)),
+            _section(read, _readings(study)) if study.readings else "",
             _section("Do it again", f"<pre class=command>{escape(command)}</pre>"),
         ]),
     )  # fmt: skip
@@ -114,23 +122,23 @@ def _readings(study: Study) -> str:
     return f'<ul class="readings">{"".join(f"<li>{escape(one)}</li>" for one in study.readings)}</ul>'
 
 
-def _finding(number: int, finding: Finding) -> str:
+def _finding(number: int, finding: Finding, stated: str) -> str:
     lead = f'<p class="lead">{escape(finding.set_up)}</p>' if finding.set_up else ""
-    rows = "".join(map(_claim, finding.claims))
-    head = '<thead><tr><th scope="col">Outcome</th><th scope="col">The document states</th><th scope="col">What came out</th></tr></thead>'
+    rows = "".join(_claim(claim, stated) for claim in finding.claims)
+    head = f'<thead><tr><th scope="col">Outcome</th><th scope="col">{stated}</th><th scope="col">What came out</th></tr></thead>'
     claims = f'<div class="table" role="region" aria-label="Statements" tabindex="0"><table class="claims">{head}<tbody>{rows}</tbody></table></div>'
     figures = "".join(map(_figure, finding.figures))
     plots = f'<div class="plots">{figures}</div>' if figures else ""
     return _section(finding.title, lead + claims + plots + "".join(map(_table, finding.tables)), f' id="finding-{number}"')
 
 
-def _claim(claim: Claim) -> str:
+def _claim(claim: Claim, stated: str) -> str:
     kind, sign = _BADGES[outcome(claim)]
     badge = f'<span class="badge {kind}"><span aria-hidden="true">{sign}</span> {outcome(claim)}</span>'
     ours = '<div class="ours">added here</div>' if claim.whose == "ours" else ""
     why = f'<p class="reason">{escape(claim.why)}</p>' if claim.why and not claim.came_out else ""
-    stated = f'<td data-label="{"Stated here" if ours else "The document states"}">{escape(claim.states)}{ours}</td>'
-    return f'<tr><td>{badge}</td>{stated}<td data-label="What came out">{escape(claim.found)}{why}</td></tr>'
+    states = f'<td data-label="{"Stated here" if ours else stated}">{escape(claim.states)}{ours}</td>'
+    return f'<tr><td>{badge}</td>{states}<td data-label="What came out">{escape(claim.found)}{why}</td></tr>'
 
 
 def _figure(figure: Figure) -> str:

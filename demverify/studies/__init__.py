@@ -82,12 +82,16 @@ class Finding:
 
 @dataclass(frozen=True)
 class Study:
-    """What came out of one study. readings: where the document does not say, what was taken instead, and why; a sentence each."""
+    """What came out of one study. readings: where the document does not say, what was taken instead, and why; a sentence each.
+
+    states: who makes the statements, a document or, for a study of our own, theory.
+    """
 
     title: str
     source: str
     findings: tuple[Finding, ...]
     readings: tuple[str, ...] = ()
+    states: Literal["document", "theory"] = "document"
 
 
 def listing() -> tuple[str, ...]:

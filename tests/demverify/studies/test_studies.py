@@ -69,9 +69,9 @@ def test_what_is_unexplained() -> None:
 
 def test_the_files_of_a_study(tmp_path: Path) -> None:
     """Law: a page, a picture a figure that is XML, and numbers that are JSON; nothing half written beside them."""
-    page = write_study(tmp_path, "things", study(GOOD, KNOWN), "demverify reproduce things")
-    assert {path.name for path in tmp_path.iterdir()} == {"report.html", "figure-1.svg", "numbers.json"}
-    assert page.read_text() == render("things", study(GOOD, KNOWN), "demverify reproduce things")
+    page = write_study(tmp_path, study(GOOD, KNOWN), "demverify reproduce things")
+    assert {path.name for path in tmp_path.iterdir()} == {"report.html", "figure-1.svg", "numbers.h5", "numbers.json"}
+    assert page.read_text() == render(study(GOOD, KNOWN), "demverify reproduce things")
     root = ET.parse(tmp_path / "figure-1.svg").getroot()
     assert root.tag == "{http://www.w3.org/2000/svg}svg"
     (finding,) = json.loads((tmp_path / "numbers.json").read_text())["findings"]
@@ -83,16 +83,16 @@ def test_the_files_of_a_study(tmp_path: Path) -> None:
 
 def test_the_page_works_alone_and_escapes() -> None:
     """Law: the page loads nothing, runs nothing, shows every claim with its reason only where it did not come out, and escapes what it shows."""
-    page = render("things", study(GOOD, KNOWN, OPEN), "demverify reproduce things")
+    page = render(study(GOOD, KNOWN, OPEN), "demverify reproduce things")
     assert not re.search(r"<script|<link|@import|url\(|src=|https?://", page)
     assert "It is &lt;wet&gt;." in page
     assert "Figure 1: &lt;things&gt;" in page
     assert page.count('class="badge pass"') == page.count('class="badge skipped"') == page.count('class="badge fail"') == 1
     assert page.count(KNOWN.why) == 1
     assert '<div class="verdict fail"' in page
-    assert '<div class="verdict pass"' in render("things", study(GOOD, KNOWN), "x")
+    assert '<div class="verdict pass"' in render(study(GOOD, KNOWN), "x")
     came_after_all = Claim("s", "f", True, "a reason that is not needed")
-    assert "not needed" not in render("things", study(came_after_all), "x")
+    assert "not needed" not in render(study(came_after_all), "x")
 
 
 def test_cells() -> None:
