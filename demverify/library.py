@@ -80,6 +80,11 @@ def library() -> Path:
     return next(folder for folder in (package / "library", package.parent / "inputs") if folder.is_dir())
 
 
+def stress_folder() -> Path:
+    """Scenes that are to break engines: of `demverify stability`, no part of the library."""
+    return library() / "stress"
+
+
 def catalogue(names: Sequence[str] = ()) -> list[Case]:
     """Cases in the order of their scenarios. names: case, case:variant or scenario of the library, or a folder with cases of one's own, also
     FOLDER:VARIANT; all of the library by default. Raises InputError for a name that nothing has, and for a case that is wrong."""
@@ -96,7 +101,8 @@ def catalogue(names: Sequence[str] = ()) -> list[Case]:
 
 
 def _all(root: Path) -> list[Case]:
-    folders = find_cases(root)
+    apart = stress_folder().resolve()
+    folders = [folder for folder in find_cases(root) if apart not in folder.resolve().parents or apart in (root.resolve(), *root.resolve().parents)]
     if not folders:
         message = f"there is no {FILE} in {root} or below it"
         raise InputError(message)

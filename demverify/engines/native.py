@@ -161,6 +161,7 @@ class NativeBackend:
         while simulation.step < run.end:
             self._advance(simulation, run)
             run.output()
+        simulation.look()
         self.outputs.loop_s += perf_counter() - began
         self.outputs.steps += steps
         self.outputs.particle_steps += steps * len(simulation.id)

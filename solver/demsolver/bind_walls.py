@@ -177,7 +177,8 @@ def walls_source(scene: Scene) -> str:
         overlap = {overlap}"""
         held = f"wall{k}_stored(memory, i, -gap, b.radius[i], 0.0, reff, b.mass[i], 0.0, dt, coefficients, b.kind[i])[0]"
         snap = f"\n            if BUDGET and advance:\n                tally[0] -= {held}" if goes_beyond(wall.law) else ""
-        forces.append(f"""{head}{_rotation_source(wall.shape)}
+        inside = "" if isinstance(wall.shape, Cylinder) else "\n        if GUARD and way == 0.0:\n            tally[6] += 1.0"  # no way out is known
+        forces.append(f"""{head}{_rotation_source(wall.shape)}{inside}
         if touches:
             touching[i] = 1
             wall{k}_force(i, nx, ny, nz, overlap, reff, wvx, wvy, wvz, turning, b, memory, coefficients, dt, advance, tally)

@@ -4,6 +4,7 @@
     overlap  a contact is deeper than DEEPEST of the smaller radius: a centre may come to the wrong side. Looked at in every step.
     energy   the energy has grown by more than GROWTH of what kinetic and elastic energy there was, and nothing drives it. Every `every` steps.
     numbers  a position, velocity, spin, force or torque is no number any more. Every `every` steps, and wherever a list is made.
+    place    positions are no finer than COARSEST of the smallest radius, so far from the origin are they: contacts are rounded away. Every `every` steps.
 
 Speeds are those against walls and particles at rest, or, where there are none, against the mean of all: a gas that drifts as a whole is as good as
 one at rest. While a particle moves half its radius in a step at most, two cannot change places without a step in which they overlap, and no centre
@@ -11,7 +12,7 @@ reaches a wall; that contact is then deep, or it is seen as any other.
 
 Energy is kinetic, elastic and potential energy of gravity. It is not looked at where motion or a force is prescribed (a wall that moves, `setforce`,
 `addforce`, particles that move and are integrated by nobody): there it may grow. The elastic part is asked for where it can matter: when kinetic and
-potential energy alone are far from what the total was.
+potential energy alone are far from what the total was. `Simulation.look` looks at once, whatever is due: at the end of a run.
 """
 
 from __future__ import annotations
@@ -26,7 +27,7 @@ from demsolver import neighbors
 from demsolver.listed import Listed
 from demsolver.scene import AddForce, Cylinder, Plane, Scene, SetForce, Wall
 from demsolver.specialise import DEEPEST
-from demsolver.stability_contacts import contacts_in
+from demsolver.stability_contacts import centred, contacts_in
 from demsolver.state import Floats, moved
 from demsolver.trouble import Unstable
 
@@ -38,6 +39,8 @@ FARTHEST = 0.5
 _NONE = np.zeros(0, dtype=np.int64)
 _NOBODY = Listed(_NONE, _NONE, _NONE, np.zeros(0, dtype=np.uint8), np.zeros((0, 0)))
 GROWTH = 1.0
+COARSEST = 1e-3
+"""Of a radius. A contact is a hundredth deep, and in each of its steps a place is rounded."""
 LEAST_EVERY, LOOK_COSTS = 200, 20_000
 """A look costs about as much as one step of the particles there are, and as much as LOOK_COSTS steps of a single one."""
 FORGETS = 0.9
@@ -87,6 +90,7 @@ class Guard:
         frame = np.zeros(3) if still or not len(p.id) else p.v.mean(axis=0)
         lonely = len(p.id) < 2 and not self.scene.walls
         limit = FARTHEST / self.scene.timestep if movers.any() and not lonely and self.scene.timestep > 0.0 else np.inf
+        self._meets = bool(movers.any()) and not lonely
         self.numbers = np.array([limit, *frame, p.radius[movers].min() if movers.any() else 1.0, 1.0])
         """What the loop reads: speed over radius that is too fast, whose frame (3), the smallest radius, whether depth is looked at."""
 
@@ -97,15 +101,17 @@ class Guard:
     def begin(self, simulation: Simulation) -> None:
         """At a run that has been set up: speeds and overlaps. Raises Unstable where it is to stop."""
         self._start = self._next = simulation.step
+        self._walls()
         self.suspect(simulation)
 
-    def look(self, simulation: Simulation) -> None:
-        """At a state whose numbers are finite, when it is time: its energy. Keeps it as the last good one if all is well.
+    def look(self, simulation: Simulation, *, now: bool = False) -> None:
+        """At a state whose numbers are finite, when it is time or `now`: its energy. Keeps it as the last good one if all is well.
 
         Raises Unstable where the run is to stop."""
         step = simulation.step
-        if step < self._next:
+        if step < self._next and not now:
             return
+        self._place(simulation)
         self._next = step + min(self.every, max(LEAST_EVERY, step - self._start))
         if not self.driven:
             self._energy(simulation)
@@ -150,6 +156,33 @@ class Guard:
         self.suspect(simulation)
         if not self.driven:
             self._energy(simulation)
+
+    def _walls(self) -> None:
+        """Says which wall moves too far in a step: as a particle that does, it could pass through others unseen."""
+        smallest = self.numbers[4]
+        for wall in self.scene.walls if self._meets else ():
+            if isinstance(wall.shape, Plane) and wall.shape.moving:
+                shape = wall.shape
+                arms = np.linalg.norm(self.scene.particles.x - np.array(shape.pivot), axis=1).max()
+                way = self.scene.timestep * float(np.linalg.norm(shape.velocity) + np.linalg.norm(shape.omega) * arms)
+                if way > FARTHEST * smallest:
+                    self._say(
+                        "speed of a wall",
+                        f"wall {wall.name} moves {way / smallest:.3g} of the smallest radius in a step (limit {FARTHEST:g}) and could pass through "
+                        f"particles unseen: shorten the timestep {self.scene.timestep:g} to {0.9 * self.scene.timestep * FARTHEST * smallest / way:.2g}",
+                    )
+
+    def _place(self, simulation: Simulation) -> None:
+        """Says that positions are too coarse."""
+        if not self._meets or not len(simulation.id):
+            return
+        grain = float(np.spacing(simulation.farthest()))
+        if grain > COARSEST * self.numbers[4]:
+            self._say(
+                "place",
+                f"so far from the origin positions are no finer than {grain / self.numbers[4]:.2g} of the smallest radius by step {simulation.step} "
+                f"(limit {COARSEST:g}), and contacts are lost to rounding: move the scene nearer to the origin",
+            )
 
     def forget_energy(self) -> None:
         """Particles have left, and their energy with them."""
@@ -198,6 +231,9 @@ def deepest(simulation: Simulation) -> tuple[float, str]:
     if len(at_wall) and at_wall.max() > found:
         worst = int(np.argmax(at_wall))
         found, who = float(at_wall[worst]), f"particle {simulation.id[contacts.i[worst]]} and wall {simulation.scene.walls[contacts.law[worst]].name}"
+    for number, wall in enumerate(simulation.scene.walls):
+        if found < 1.0 and len(rows := centred(simulation.scene, number, b)):
+            found, who = 1.0, f"particle {simulation.id[rows[0]]} and wall {wall.name}"
     return found, who
 
 

@@ -164,6 +164,12 @@ class Simulation:
             self._guard.too_deep(self)
         return done
 
+    def look(self) -> None:
+        """Has the guard look at the state now, whether it is time or not: at the end of a run. Raises Unstable."""
+        check_finite(self._bodies, self.step, self.scene)
+        if self._guard:
+            self._guard.look(self, now=True)
+
     def here(self) -> Good:
         """What moves, as it is now: copies."""
         b = self._bodies
@@ -215,6 +221,10 @@ class Simulation:
         """Kinetic energy with that of the spins; potential energy of gravity; the sum of the magnitudes that the latter is made of."""
         heights = self._heights()
         return sum(self._kinetic()), float(heights.sum()), float(np.abs(heights).sum())
+
+    def farthest(self) -> float:
+        """The largest coordinate in size; 0 when nobody is there."""
+        return float(np.abs(bounds_of(self._bodies.x)).max()) if len(self.id) else 0.0
 
     def elastic_energy(self) -> float:
         """Of all contacts."""
@@ -445,9 +455,9 @@ class Simulation:
             if faces[1] == "f":
                 gone |= x[:, axis] >= self.box_hi[axis]
         if gone.any():
+            if self._guard:
+                self._guard.lost(self)
             if self.scene.lost == "error":
-                if self._guard:
-                    self._guard.lost(self)
                 first = int(self.id[self._order[gone]].min())
                 message = f"{int(gone.sum())} particles left the box by step {self.step}, the first with id {first}"
                 raise LostParticles(message)

@@ -135,6 +135,15 @@ def _from_wall(shape: Slab | Cylinder | Plane, x: Floats, radius: Floats) -> tup
     return away, reff
 
 
+def centred(scene: Scene, number: int, b: Bodies) -> Ints:
+    """Rows of the particles whose centres lie in a plane wall, which has no normal there."""
+    wall = scene.walls[number]
+    if isinstance(wall.shape, Cylinder):
+        return np.zeros(0, dtype=np.int64)
+    away = _from_wall(wall.shape, b.x, b.radius)[0]
+    return np.flatnonzero(~away.any(axis=1) & (b.radius > 0.0) & selected(b.mask, wall.bit))
+
+
 def wall_radius(scene: Scene, number: int, i: int) -> float:
     """Effective radius of particle i, where it is, at a wall."""
     p = scene.particles

@@ -175,3 +175,52 @@ def test_nobody_to_meet_is_not_watched() -> None:
     bullet = spheres(np.zeros((1, 3)), np.array([RADIUS]), v=np.array([[100 * RADIUS / STEP, 0.0, 0.0]]))
     box = Box(np.full(3, -1.0), np.full(3, 1.0), ("ss", "ss", "ss"))
     assert message_of(replace(meeting(0.0), particles=bullet, box=box, forces=(Gravity((0.0, 0.0, -9.81)),)), 300) == ""
+
+
+@pytest.mark.parametrize("shape", [Slab(2, lo=0.0), Plane((0.0, 0.0, 1.0), 0.0)])
+def test_a_centre_in_the_plane_of_a_wall_is_said(shape: Slab | Plane) -> None:
+    """Law: where a wall has no normal a sphere is as deep in it as its radius, at set-up and wherever a step leads there."""
+    scene = on_floor(1e-6, FLOOR, overlap=RADIUS)
+    scene = replace(scene, walls=(replace(scene.walls[0], shape=shape),))
+    assert message_of(scene, 0).startswith("particle 1 and wall floor overlap by 1 of the smaller radius in step 0")
+    exact = 0.5 * RADIUS / 2.0**-20  # from R to R/2, whose overlap is not yet too deep, to 0
+    soft = replace(FLOOR, coefficients={**FLOOR.coefficients, "kn": np.full(1, 1e-30)})
+    landing = on_floor(2.0**-20, soft, overlap=0.0, along=-exact, pull=0.0)
+    assert "overlap by 1 of the smaller radius in step 2" in message_of(replace(landing, walls=(Wall("floor", shape, soft),)), 2)
+
+
+@pytest.mark.parametrize(("far", "fine"), [(1e9, True), (1e12, False)])
+def test_positions_too_coarse_are_said(far: float, fine: bool) -> None:
+    """Law: where the numbers beside a position are more than a thousandth of the radius apart, contacts are rounded away."""
+    x = np.array([[far, 0.0, 0.0], [far + 3.0 * RADIUS, 0.0, 0.0]])
+    box = Box(np.array([far - 1.0, -1.0, -1.0]), np.array([far + 1.0, 1.0, 1.0]))
+    scene = replace(meeting(0.1), particles=spheres(x, np.full(2, RADIUS)), box=box)
+    assert (np.spacing(far) < 1e-3 * RADIUS) == fine
+    assert message_of(scene, 1).startswith("so far from the origin positions are no finer than") != fine
+
+
+def test_the_end_of_a_run_can_be_looked_at() -> None:
+    """Law: `look` does not wait until it is time: energy that a short run has gained is said."""
+    scene = meeting(0.05, 3.2 * np.sqrt(0.5 * MASS / KN), gap=0.0005)
+    simulation = Simulation(scene)
+    simulation.setup()
+    simulation.advance(3)
+    with pytest.raises(Unstable, match="the energy grew by"):
+        simulation.look()
+
+
+def test_a_burst_that_leaves_the_box_is_said_where_lost_particles_are_ignored() -> None:
+    """Law: who vanishes takes no energy along unseen that the step has made."""
+    burst = replace(meeting(0.05, 3.2 * np.sqrt(0.5 * MASS / KN), gap=0.0005), lost="ignore")
+    burst = replace(burst, box=Box(np.full(3, -0.03), np.full(3, 0.03), ("ff", "ff", "ff")))
+    assert "the energy grew by" in message_of(burst, 190)
+
+
+def test_a_wall_that_moves_too_fast_is_said() -> None:
+    """Law: a plane that moves more than half a radius in a step could pass through a sphere unseen, by pushing or by turning."""
+    pushing = Plane((0.0, 0.0, 1.0), 0.0, velocity=(0.0, 0.0, 0.6 * RADIUS / STEP))
+    turning = Plane((0.0, 0.0, 1.0), 0.0, omega=(0.6 * RADIUS / STEP, 0.0, 0.0), pivot=(0.0, 1.0, 0.0))
+    scene = on_floor(STEP, FLOOR, overlap=-0.1 * RADIUS)
+    for shape in (pushing, turning):
+        said = message_of(replace(scene, walls=(replace(scene.walls[0], shape=shape),)), 0)
+        assert said.startswith("wall floor moves 0.6 of the smallest radius in a step")
