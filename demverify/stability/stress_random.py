@@ -63,18 +63,18 @@ class Ran:
     drift: float
 
 
-def draws(count: int, seed: int) -> list[Draw]:
+def draws(count: int, seed: int, laws: Sequence[Laws] = LAWS) -> list[Draw]:
     """So many draws, from safe to absurd: numbers over decades."""
     rng = np.random.default_rng(seed)
-    return [_draw(rng) for _ in range(count)]
+    return [_draw(rng, laws) for _ in range(count)]
 
 
-def _draw(rng: np.random.Generator) -> Draw:
+def _draw(rng: np.random.Generator, laws: Sequence[Laws]) -> Draw:
     def decades(low: float, high: float) -> float:
         return float(10.0 ** rng.uniform(low, high))
 
     return Draw(
-        seed=int(rng.integers(2**31)), count=int(rng.integers(2, 41)), law=LAWS[int(rng.integers(len(LAWS)))], periodic=bool(rng.integers(2)),
+        seed=int(rng.integers(2**31)), count=int(rng.integers(2, 41)), law=laws[int(rng.integers(len(laws)))], periodic=bool(rng.integers(2)),
         ratio=float(MOST_RATIO ** rng.uniform(0.0, 1.0)), heavier=decades(0.0, 3.0), stiffness=decades(-2.0, 8.0), damping=float(rng.uniform(0.0, 2.0)),
         friction=decades(-2.0, 2.0), speed=decades(-6.0, 0.5), spin=decades(-6.0, 1.0), step=decades(-2.5, 0.7), filling=float(rng.uniform(0.5, 1.3)),
     )  # fmt: skip

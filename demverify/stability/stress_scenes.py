@@ -10,6 +10,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -102,7 +103,7 @@ def judged(case: Case, engine: str, run: Run, said: Sequence[str]) -> Found:
         return Found(case.name, engine, "skipped", outcome.reason)
     if outcome.status == "crashed":
         spoke = engine.startswith("native") or "ERROR" in outcome.reason
-        return Found(case.name, engine, "refused" if spoke else "crashed", _first_line(outcome.reason))
+        return Found(case.name, engine, "refused" if spoke else "crashed", _first_line(outcome.reason).replace(f"{case.folder}{os.sep}", ""))
     miss, what = worst_miss(case, run.frames)
     if miss <= 1.0:
         return Found(case.name, engine, "stayed", "; ".join(dict.fromkeys(said)), miss)
