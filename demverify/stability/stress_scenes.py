@@ -1,11 +1,11 @@
 """Stress scenes, inputs/stress: what becomes of each in an engine.
 
-    stayed   within the stated error of its closed form or conservation law
-    refused  an error said, before or when it went wrong
-    warned   wrong, or a step that should not be taken, but it was told
-    lied     wrong beyond the stated error, and nothing was said: NaN, an energy burst, a wall passed through, a contact lost
-    crashed  a signal, a time limit, a traceback
-    skipped  the engine is not here
+stayed   within the stated error of its closed form or conservation law
+refused  an error said, before or when it went wrong
+warned   wrong, or a step that should not be taken, but it was told
+lied     wrong beyond the stated error, and nothing was said: NaN, an energy burst, a wall passed through, a contact lost
+crashed  a signal, a time limit, a traceback
+skipped  the engine is not here
 """
 
 from __future__ import annotations
@@ -21,6 +21,7 @@ from typing import Literal
 
 from demverify import laws
 from demverify.cases import FILE, Case, load_cases
+from demverify.deck.setup import Dialect
 from demverify.engines.base import Job
 from demverify.errors import InputError, Place
 from demverify.frames import Frame
@@ -64,7 +65,7 @@ def quick(case: Case) -> Case:
 
 def try_scene(case: Case, engine: str, timeout_s: float = TIMEOUT_S) -> Found:
     """Runs a scene in an engine, one of ENGINES, and says what became of it. Never raises for what the scene or the engine does."""
-    dialect = "liggghts" if engine.endswith("liggghts") else "lammps"
+    dialect: Dialect = "liggghts" if engine.endswith("liggghts") else "lammps"
     said: list[str] = []
     with TemporaryDirectory() as folder:
         try:
@@ -81,11 +82,11 @@ def try_scene(case: Case, engine: str, timeout_s: float = TIMEOUT_S) -> Found:
         return judged(case, engine, run, said)
 
 
-def _every(case: Case, dialect: str) -> int:
+def _every(case: Case, dialect: Dialect) -> int:
     if case.every:
         return case.every
     try:
-        known = plan(case.decks[dialect], case.variables)  # type: ignore[index]
+        known = plan(case.decks[dialect], case.variables)
     except InputError:
         return 1000
     return frame_interval(known.steps, known.particles)
@@ -118,11 +119,17 @@ def worst_miss(case: Case, frames: Sequence[Frame]) -> tuple[float, str]:
     if any(frame.n != frames[0].n for frame in frames):
         return inf, f"{frames[0].n - frames[-1].n} of {frames[0].n} particles vanished"
     found = [(one, law) for law in case.laws for one in laws.measure(law.name, frames, law.parameters, Place(case.folder / FILE))]
-    misses = [abs(one.measured - one.expected) / ((abs(one.expected) if one.scale is None else one.scale) or 1.0) / law.tolerance for one, law in found]
-    misses = [miss if isfinite(miss) else inf for miss in misses]
+    misses = [_miss(one) / law.tolerance for one, law in found]
     worst = max(range(len(misses)), key=misses.__getitem__)
     one, law = found[worst]
     return misses[worst], f"{one.quantity} {one.measured:.4g} for {one.expected:.4g}, stated error {law.tolerance:.2g}"
+
+
+def _miss(one: laws.Measured) -> float:
+    """Relative, as comparisons have it; of nothing as it is; infinite where it is no number."""
+    scale = abs(one.expected) if one.scale is None else one.scale
+    miss = abs(one.measured - one.expected) / (scale or 1.0)
+    return miss if isfinite(miss) else inf
 
 
 def _first_line(reason: str) -> str:

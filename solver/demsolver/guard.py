@@ -4,7 +4,7 @@
     overlap  a contact is deeper than DEEPEST of the smaller radius: a centre may come to the wrong side. Looked at in every step.
     energy   the energy has grown by more than GROWTH of what kinetic and elastic energy there was, and nothing drives it. Every `every` steps.
     numbers  a position, velocity, spin, force or torque is no number any more. Every `every` steps, and wherever a list is made.
-    place    positions are no finer than COARSEST of the smallest radius, so far from the origin are they: contacts are rounded away. Every `every` steps.
+    place    positions are no finer than COARSEST of the smallest radius, so far from the origin: contacts are rounded away. Every `every` steps.
 
 Speeds are those against walls and particles at rest, or, where there are none, against the mean of all: a gas that drifts as a whole is as good as
 one at rest. While a particle moves half its radius in a step at most, two cannot change places without a step in which they overlap, and no centre
@@ -159,17 +159,17 @@ class Guard:
 
     def _walls(self) -> None:
         """Says which wall moves too far in a step: as a particle that does, it could pass through others unseen."""
-        smallest = self.numbers[4]
+        smallest, dt = self.numbers[4], self.scene.timestep
         for wall in self.scene.walls if self._meets else ():
             if isinstance(wall.shape, Plane) and wall.shape.moving:
                 shape = wall.shape
                 arms = np.linalg.norm(self.scene.particles.x - np.array(shape.pivot), axis=1).max()
-                way = self.scene.timestep * float(np.linalg.norm(shape.velocity) + np.linalg.norm(shape.omega) * arms)
+                way = dt * float(np.linalg.norm(shape.velocity) + np.linalg.norm(shape.omega) * arms)
                 if way > FARTHEST * smallest:
                     self._say(
                         "speed of a wall",
                         f"wall {wall.name} moves {way / smallest:.3g} of the smallest radius in a step (limit {FARTHEST:g}) and could pass through "
-                        f"particles unseen: shorten the timestep {self.scene.timestep:g} to {0.9 * self.scene.timestep * FARTHEST * smallest / way:.2g}",
+                        f"particles unseen: shorten the timestep {dt:g} to {0.9 * dt * FARTHEST * smallest / way:.2g}",
                     )
 
     def _place(self, simulation: Simulation) -> None:
