@@ -25,7 +25,7 @@ _SHOWN = {  # outcome -> class of the line, path of the mark about 0 0
     "crashed": ("b3", "m-3.2 0h6.4m-3.2 -3.2v6.4"),
     "skipped": ("b5", "m-1.5 0h3"),
 }
-_LEFT, _COLUMN, _ROW, _PITCH, _TOP = 92, 175, 17, 8.6, 52
+_LEFT, _COLUMN, _ROW, _PITCH, _TOP = 92, 175, 17, 8.6, 60
 
 
 def stress(quick_run: bool, progress: Progress) -> tuple[Finding, ...]:
@@ -161,10 +161,11 @@ def at_random(quick_run: bool, progress: Progress) -> Finding:
     )  # fmt: skip
     return Finding(
         f"{count} random scenes", claims,
-        f"2 to 40 spheres, sizes over a factor of 30, densities of 1000, {'linear' if quick_run else 'linear or Hertz'} springs over ten decades, "
-        "damping up to twice critical, friction 0.01 to 100, steps from 0.003 to 5 of the limit of the lightest contact, speeds from 1e-6 to 3 "
-        f"radii a step, walls and gravity or a periodic box; {STEPS} steps each. Energy is computed beside the solver: kinetic and normal elastic. It may "
-        "grow by what it was at the start (and what gravity gave): that much the guard lets pass; momentum, in the periodic ones, by 1e-15 a step and particle.",
+        f"2 to 40 spheres, sizes over a factor of 30, densities of 1000, {'linear' if quick_run else 'linear or Hertz'} springs over ten "
+        "decades, damping up to twice critical, friction 0.01 to 100, steps from 0.003 to 5 of the limit of the lightest contact, speeds from "
+        f"1e-6 to 3 radii a step, walls and gravity or a periodic box; {STEPS} steps each. Energy is computed beside the solver: kinetic and "
+        "normal elastic. It may grow by what it was at the start (and what gravity gave): that much the guard lets pass; momentum, in the periodic "
+        "ones, by 1e-15 a step and particle.",
         tables=(_reasons(ran),),
         numbers={"outcomes": [(known := asdict(one)).pop("draw") | known for one in ran]},
     )  # fmt: skip

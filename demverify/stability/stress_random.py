@@ -76,7 +76,8 @@ def _draw(rng: np.random.Generator, laws: Sequence[Laws]) -> Draw:
     return Draw(
         seed=int(rng.integers(2**31)), count=int(rng.integers(2, 41)), law=laws[int(rng.integers(len(laws)))], periodic=bool(rng.integers(2)),
         ratio=float(MOST_RATIO ** rng.uniform(0.0, 1.0)), heavier=decades(0.0, 3.0), stiffness=decades(-2.0, 8.0),
-        damping=float(rng.uniform(0.0, 2.0)), friction=decades(-2.0, 2.0), speed=decades(-6.0, 0.5), spin=decades(-6.0, 1.0), step=decades(-2.5, 0.7), filling=float(rng.uniform(0.5, 1.3)),
+        damping=float(rng.uniform(0.0, 2.0)), friction=decades(-2.0, 2.0), speed=decades(-6.0, 0.5), spin=decades(-6.0, 1.0),
+        step=decades(-2.5, 0.7), filling=float(rng.uniform(0.5, 1.3)),
     )  # fmt: skip
 
 

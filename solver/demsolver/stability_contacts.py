@@ -137,10 +137,11 @@ def _from_wall(shape: Slab | Cylinder | Plane, x: Floats, radius: Floats) -> tup
 
 def centred(scene: Scene, number: int, b: Bodies) -> Ints:
     """Rows of the particles whose centres lie in a plane wall, which has no normal there."""
-    wall = scene.walls[number]
-    if isinstance(wall.shape, Cylinder):
+    wall, shape = scene.walls[number], scene.walls[number].shape
+    if isinstance(shape, Cylinder):
         return np.zeros(0, dtype=np.int64)
-    away = _from_wall(wall.shape, b.x, b.radius)[0]
+    two_sided = replace(shape, one_sided=False) if isinstance(shape, Plane) else shape  # behind one that is not felt nobody is near
+    away = _from_wall(two_sided, b.x, b.radius)[0]
     return np.flatnonzero(~away.any(axis=1) & (b.radius > 0.0) & selected(b.mask, wall.bit))
 
 
