@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 
 from demsolver import Box, Cylinder, Plane, Scene, Slab, Wall
 from demsolver.check import RANGES, check_coefficients, check_scene
+from demverify.stability.held import linear, on_floor
 from tests.support.laws import EVERY, contact_law, every_law
-from tests.support.steps import linear, on_floor
 
 GOOD = on_floor(1e-6, linear((1,)))
 

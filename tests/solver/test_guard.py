@@ -9,8 +9,8 @@ import pytest
 
 from demsolver import Box, ContactLaw, EulerSphere, Gravity, Neighbor, NveSphere, Plane, Scene, SetForce, Simulation, Slab, Unstable, Wall
 from demsolver.guard import DEEPEST, FARTHEST
+from demverify.stability.held import KN, MASS, RADIUS, linear, on_floor
 from tests.support.scenes import bed, spheres
-from tests.support.steps import KN, MASS, RADIUS, linear, on_floor
 
 SPRING = linear((1, 1), mu=0.0)
 FLOOR = linear((1,), mu=0.0)

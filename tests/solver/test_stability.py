@@ -13,10 +13,8 @@ from hypothesis import strategies as st
 from demsolver import EulerSphere, Freeze, Neighbor, NveSphere, Scene, Viscous, contact
 from demsolver.stability import ContactLimit, combined_limit, contact_limits, damper_limit, spring_limit
 from demsolver.stability_contacts import contacts_of
+from demverify.stability.held import KN, MASS, NUDGE, OVERLAP, RADIUS, growth, linear, on_floor, pair
 from tests.support.laws import contact_law
-from tests.support.steps import KN, MASS, OVERLAP, RADIUS, growth, linear, on_floor, pair
-
-NUDGE = 1e-8  # of the overlap in a step: grows a thousandfold and more before the contact opens
 
 
 def euler(K: float, H: float) -> np.ndarray:

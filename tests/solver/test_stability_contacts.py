@@ -11,9 +11,9 @@ from demsolver import Cylinder, Enforce2D, Freeze, NveSphere, Plane, Scene, SetF
 from demsolver.stability import contact_limits
 from demsolver.stability_contacts import PAIR, contacts_of, encounters, mobility
 from demsolver.stability_packing import packing_limit
+from demverify.stability.held import MASS, RADIUS, linear, on_floor
 from tests.support.laws import every_law
 from tests.support.scenes import cluster
-from tests.support.steps import MASS, RADIUS, linear, on_floor
 
 WALLS = {
     "slab": Slab(1, 0.005, 0.045),

@@ -3,19 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import cache
 
 import numpy as np
 import pytest
 
 from demsolver import (
     Box,
-    ContactLaw,
     Freeze,
     Neighbor,
     NveSphere,
     Scene,
-    Simulation,
     Slab,
     Viscous,
     Wall,
@@ -26,34 +23,9 @@ from demsolver import (
 from demsolver.stability import combined_limit, contact_limits
 from demsolver.stability_contacts import contacts_of
 from demsolver.stability_packing import PackingLimit, packing_bound, packing_limit
+from demverify.stability.held import DISTURBANCE, KN, MASS, OVERLAP, RADIUS, growth, linear, packing, pair, relaxed
 from tests.support.laws import every_law
 from tests.support.scenes import cluster, spheres
-from tests.support.steps import KN, MASS, OVERLAP, RADIUS, growth, linear, pair
-
-DISTURBANCE = 1e-6  # m/s: a millionth of the overlaps in a step
-
-
-def packing(x: np.ndarray, radius: np.ndarray, size: float, dt: float, law: ContactLaw, v: float = 0.0) -> Scene:
-    """Spheres in a periodic cube, disturbed at random."""
-    rng = np.random.default_rng(7)
-    p = spheres(x, radius, v=v * rng.normal(size=x.shape), omega=v / RADIUS * rng.normal(size=x.shape))
-    return Scene(Box(np.zeros(3), np.full(3, size)), p, 1, dt, pair=law, integrate=(NveSphere(),), neighbor=Neighbor(2e-4))
-
-
-@cache
-def relaxed(n: int) -> tuple[np.ndarray, np.ndarray, float]:
-    """Positions, radii and box of n unequal spheres pressed together by some 5 % of their radius, at rest."""
-    rng = np.random.default_rng(3)
-    radius = rng.uniform(0.8, 1.2, n) * RADIUS
-    size = float(np.cbrt(4 / 3 * np.pi * (radius**3).sum() / 0.72))
-    law = linear((1, 1), gamman=1500.0, mu=0.0)
-    scene = packing(rng.uniform(0, size, (n, 3)), radius, size, 2e-5, law)
-    for dt, steps in ((2e-5, 500), (1.2e-4, 3500)):  # forces that are left: 1e-8 of those in the contacts
-        simulation = Simulation(replace(scene, timestep=dt))
-        simulation.setup()
-        simulation.advance(steps)
-        scene = replace(scene, particles=simulation.particles())
-    return simulation.particles().x, radius, size
 
 
 def limit(scene: Scene) -> PackingLimit:

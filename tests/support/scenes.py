@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from demsolver import Box, ContactLaw, Gravity, Neighbor, NveSphere, Particles, Scene, Slab, Wall
+from demverify.stability.held import spheres
 
 INPUTS = Path(__file__).parents[2] / "inputs"
 KN, GAMMAN, MU = 1e4, 400.0, 0.3
@@ -18,16 +19,6 @@ def law(shape: tuple[int, ...], *, gamman: float = GAMMAN, mu: float = MU, frict
     one = np.ones(shape)
     values = {"kn": kn * one, "gamman": gamman * one, "shear_stiffness": 2 / 7 * kn * one, "xt": 0.5 * one, "mu": mu * one}
     return ContactLaw("hooke", "mass_velocity", "constant", "scaled", friction, values)
-
-
-def spheres(x: np.ndarray, radius: np.ndarray, *, v: np.ndarray | None = None, omega: np.ndarray | None = None, density: float = 2500.0) -> Particles:
-    """Particles of one type; (n, 3) positions, (n,) radii."""
-    n = len(x)
-    zero = np.zeros((n, 3))
-    mass = density * 4 / 3 * np.pi * radius**3
-    numbers = np.arange(1, n + 1), np.ones(n, dtype=int)
-    motion = zero if v is None else v, zero if omega is None else omega
-    return Particles(*numbers, x, *motion, radius, mass, np.ones(n, dtype=int), np.zeros((n, 3), int))
 
 
 @cache
