@@ -16,6 +16,7 @@ import typer
 from demverify.cli_erotate import erotate
 from demverify.cli_library import cases, new_case, verify
 from demverify.cli_reproduce import reproduce
+from demverify.cli_stability import stability
 from demverify.cli_timestep import timestep
 from demverify.errors import InputError, Place
 from demverify.formats.atomic import check_writable
@@ -34,6 +35,7 @@ app = typer.Typer(
 
 app.command()(erotate)
 app.command()(reproduce)
+app.command()(stability)
 app.command()(timestep)
 app.command("cases")(cases)
 app.command("verify")(verify)

@@ -34,7 +34,7 @@ def reproduce(
         (out / name).mkdir(parents=True, exist_ok=True)
     found = {}
     for name in names:
-        with _bar(name) as progress:
+        with bar(name) as progress:
             found[name] = studies.run(name, quick, progress)
         command = f"demverify reproduce {name}{' --quick' if quick else ''}"
         print_study(name, found[name], write_study(out / name, found[name], command))
@@ -44,7 +44,7 @@ def reproduce(
 
 
 @contextmanager
-def _bar(name: str) -> Iterator[Progress]:
+def bar(name: str) -> Iterator[Progress]:
     """What is being done and how far it is, on stderr, where there is somebody to see it."""
     if not sys.stderr.isatty():
         yield lambda what, share: None

@@ -23,7 +23,7 @@ force, for which no step is to blame: in 2,000 steps by a few times with these."
 DISTURBANCE = 1e-6
 """m/s, in packings: a millionth of the overlaps in a step."""
 GROWN = 1e3
-"""A disturbance grows so many times or it does not grow. Below its limit an undamped mode swells up to 1/sqrt(1 - K/4) times, which is 22 times at
+"""A disturbance grows so many times or it holds. Below its limit an undamped mode swells up to 1/sqrt(1 - K/4) times, which is 22 times at
 a thousandth below, and K = 4 times that is its force."""
 STEPS = 2000
 """At the limit of a spring a step is half an oscillation: 1,000 oscillations."""
@@ -123,25 +123,43 @@ class Growth:
     each_step: float
 
 
-def grown(scene: Scene, steps: int = STEPS, enough: float = GROWN) -> Growth:
-    """Runs a held scene until the disturbance has grown `enough`, or so many steps. (Ways themselves may grow without harm: a ball rolls on.)"""
+def grown(scene: Scene, steps: int = STEPS, *, swings_only: bool = False) -> Growth:
+    """Runs a held scene until the disturbance has grown GROWN times, or so many steps. (Ways themselves may grow without harm: a ball rolls on.)
+
+    swings_only: of forces only what flips from step to step counts, as it does where a step is too long (an eigenvalue below -1): a quarter of the
+    second difference in time. The run also ends, and counts as holding, when the rest has changed by GROWN: for spheres that do not stay where they
+    are held by themselves, as a row that buckles."""
     simulation = Simulation(scene, on_instability="off")
     simulation.setup()
     p = scene.particles
     first = scene.timestep * max(np.abs(p.v).max(), (p.radius[:, None] * np.abs(p.omega)).max())
-    pushed, per_turn = scene.timestep**2 / p.mass[:, None], scene.timestep**2 / (0.4 * p.mass * p.radius)[:, None]
-    start, turned = simulation.forces()
-    farthest, before, done, looks = 0.0, 0.0, 0, 10
-    while done < steps and farthest <= enough * first:
-        before, looks = farthest, 2 if done < 20 else 10  # the fastest grow a thousandfold in a few steps
+    with np.errstate(divide="ignore"):  # points do not turn
+        per_torque = np.where(p.radius > 0.0, scene.timestep**2 / (0.4 * p.mass * p.radius), 0.0)
+    ways = np.column_stack([np.repeat(scene.timestep**2 / p.mass[:, None], 3, axis=1), np.repeat(per_torque[:, None], 3, axis=1)]) / first
+    start = _ways(simulation, ways)
+    size, before, drift, done, pause = 0.0, 0.0, 0.0, 0, 0
+    while done < steps and size <= GROWN and drift <= GROWN:
+        before, pause = size, 0 if done < 20 else 8  # the fastest grow a thousandfold in a few steps
         try:
-            simulation.advance(looks)
+            simulation.advance(pause)
+            a = _ways(simulation, ways)
+            simulation.advance(1)
+            b = _ways(simulation, ways)
+            simulation.advance(1)
+            c = _ways(simulation, ways)
         except (Unstable, LostParticles):
             return Growth(np.inf, np.inf)
-        done += looks
-        force, torque = simulation.forces()
-        farthest = max(farthest, float((pushed * np.abs(force - start)).max()), float((per_turn * np.abs(torque - turned)).max()))
-    return Growth(farthest / first, (farthest / before) ** (1.0 / looks) if before else 1.0)
+        done += pause + 2
+        if swings_only:
+            drift = float(np.abs((a + 2.0 * b + c) / 4.0 - start).max())
+        size = max(size, float(np.abs((a - 2.0 * b + c) / 4.0 if swings_only else c - start).max()))
+    return Growth(size, (size / before) ** (1.0 / (pause + 2)) if before else 1.0)
+
+
+def _ways(simulation: Simulation, ways: Floats) -> Floats:
+    """(n, 6) forces and torques as what they do in a step."""
+    found: Floats = np.concatenate(simulation.forces(), axis=1) * ways
+    return found
 
 
 def growth(scene: Scene, steps: int = 200) -> float:
@@ -163,13 +181,13 @@ class Longest:
         return float(np.sqrt(self.holds * self.grows))
 
 
-def longest(make: Callable[[float], Scene], guess: float, *, to: float, steps: int = STEPS) -> Longest:
+def longest(make: Callable[[float], Scene], guess: float, *, to: float, steps: int = STEPS, swings_only: bool = False) -> Longest:
     """Bisects the step of make(step) to a relative width `to`, from around a guess; the bracket widens until it holds at one end and grows at the
-    other. Raises ValueError where it never does one of them within a factor of a thousand."""
+    other. steps, swings_only: as `grown`. Raises ValueError where it never does one of them within a factor of a thousand."""
     tried: dict[float, float] = {}
 
     def grows(dt: float) -> bool:
-        found = grown(make(dt), steps)
+        found = grown(make(dt), steps, swings_only=swings_only)
         tried[dt] = found.each_step
         return found.size > GROWN
 

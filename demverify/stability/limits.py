@@ -1,5 +1,5 @@
-"""The longest stable step of one contact, measured against predicted: every motion, spring, damper and both, at a wall and between two spheres; by both
-integrators; Hertz where it is pressed."""
+"""The longest stable step of one contact, measured against predicted: every motion, spring, damper and both, at a wall and between two spheres; by
+both integrators; Hertz where it is pressed."""
 
 from __future__ import annotations
 

@@ -17,10 +17,10 @@ PARTS: list[tuple[str, Part]] = [
     ("packings", packings),
 ]
 TITLE = "Where a step breaks"
-SOURCE = "Theory: the eigenvalues of a step (docs/timestep.md, after K. Shobuzako, DEM no kiso, 2025, section 2, and E. I. Jury's criterion)."
+SOURCE = "Theory: the eigenvalues of a step (docs/timestep.md; after K. Shobuzako, DEM no kiso, 2025, section 2, and E. I. Jury)."
 READINGS = (
-    ("A step holds if no force or torque grows a thousandfold from a tiny disturbance; below its limit an undamped contact swells, a thousandth below "
-    "it a hundredfold, and stays there."),
+    ("A step holds if no force or torque grows a thousandfold from a tiny disturbance; below its limit an undamped contact swells, a thousandth below"
+    " it a hundredfold, and stays there."),
     "The guard of the solver is off where growth is the point: it would stop these runs, as it should.",
     ("A damper alone with velocity Verlet reads up to 0.4 % too long: at H = 2 the first half step takes the whole disturbance away, and what is "
     "left needs longer to grow."),
