@@ -12,7 +12,7 @@ import numpy as np
 from demsolver import Cylinder, Gravity, LostParticles, Plane, Scene, SetForce, Simulation, Unstable, Wall
 from demsolver.stability import contact_limits
 from demsolver.stability_contacts import contacts_in, contacts_of, mobility
-from demsolver.stability_packing import packing_limit
+from demsolver.stability_packing import buckling_rate, packing_limit
 from demverify.errors import InputError, Place
 from demverify.frames import Floats
 from demverify.report.axes import linear as axis
@@ -27,14 +27,20 @@ MOST_STEPS, LOOK = 200_000, 10
 STEPS = 300
 """Of a measurement: a hundredth beyond its limit an undamped contact needs thirty, one of H = 1 a hundred."""
 PART = 1e-5
-"""Of the deepest overlap: a velocity in a step. A thousand times that is a hundredth of it."""
+"""Of the deepest overlap: a velocity in a step. A thousand times that is a hundredth of it. Less where a contact is stiffer across than along, so
+that it does not slip."""
+BUCKLES = 0.05
+"""E-folds in a step from which a state leaves the place where it is held before its limit could be measured."""
 DIGITS = 20
+TOUCH = 1e-8
+"""Of the smallest radius: what overlaps less has been put side by side, and opens at the least disturbance."""
 
 
 @dataclass(frozen=True)
 class Standing:
     """The contacts that are looked at. scene: everything at rest, held by constant forces. waited: steps that the deck was run to get them.
-    predicted: the longest stable step of them; single: of the contact that has the shortest."""
+    part: PART, or less of it. predicted: the longest stable step of them; single: of the contact that has the shortest. buckling: rate at which
+    they leave their place by themselves."""
 
     deck: Path
     scene: Scene
@@ -42,8 +48,10 @@ class Standing:
     waited: int
     contacts: int
     deepest: float
+    part: float
     predicted: float
     single: float
+    buckling: float
     law: str
 
 
@@ -63,13 +71,17 @@ def standing(deck: Path, variables: Mapping[str, Sequence[str]]) -> Standing:
         raise InputError(message, Place(deck))
     single = min((one.combined for one in singles), default=inf)
     deepest = float(contacts.overlap.max(initial=0.0))
-    return Standing(deck, held(still), step_report(deck, variables), waited, limit.contacts, deepest, predicted, single, limit.law)
+    along, across = (max((one.stiffness for one in singles if one.motion == name), default=0.0) for name in ("normal", "tangential"))
+    part = PART * min(1.0, along / across if along and across else 1.0)
+    rate = buckling_rate(still, contacts)
+    return Standing(deck, held(still), step_report(deck, variables), waited, limit.contacts, deepest, part, predicted, single, rate, limit.law)
 
 
 def in_contact(scene: Scene, steps: int, place: Place) -> tuple[Scene, int]:
     """The scene as it is if something touches, else run at its own step to the first moment at which the deepest contact is deepest; and after how
     many steps that is. Raises InputError when nothing touches in the deck's run."""
-    if len(contacts_of(scene)):
+    touch = TOUCH * float(scene.particles.radius[scene.particles.radius > 0.0].min(initial=np.inf))
+    if contacts_of(scene).overlap.max(initial=0.0) > touch:
         return scene, 0
     most = min(steps, MOST_STEPS)
     simulation, best = Simulation(scene), (0.0, scene, 0)
@@ -82,6 +94,8 @@ def in_contact(scene: Scene, steps: int, place: Place) -> tuple[Scene, int]:
             depth = float(contacts_in(scene, simulation.bodies, simulation.pairs, simulation.box_hi - simulation.box_lo).overlap.max(initial=0.0))
             if depth < best[0]:
                 break
+            if depth <= touch:
+                continue
             best = depth, replace(scene, box=simulation.box(), particles=simulation.particles()), simulation.step
     except (Unstable, LostParticles) as error:
         if not best[2]:
@@ -130,11 +144,11 @@ def held(scene: Scene) -> Scene:
     mask = p.mask & sum(1 << bit for bit in used)
     fields = [Gravity((-top[0], -top[1], -top[2]))]
     for c in np.flatnonzero(top):
-        whole = np.clip(np.rint((wanted[:, c] + top[c]) / (2.0 * top[c]) * 2**digits), 0, 2**digits - 1).astype(np.int64)
+        whole = np.clip(np.rint((wanted[:, c] + top[c]) / (2.0 * top[c]) * (2**digits - 1)), 0, 2**digits - 1).astype(np.int64)
         for k in range(digits):
             bit = free.pop()
             step = np.zeros(3)
-            step[c] = 2.0 * top[c] * 0.5**(digits - k)
+            step[c] = 2.0 * top[c] * 2**k / (2**digits - 1)
             fields.append(Gravity((step[0], step[1], step[2]), bit))
             mask = mask | ((whole >> k & 1) << bit)
     return replace(scene, particles=replace(simulation.particles(), mask=mask), forces=(*fields, *scene.forces))
@@ -147,9 +161,9 @@ def _bits(scene: Scene) -> list[int]:
 
 
 def disturbed(stand: Standing, dt: float) -> Scene:
-    """The held scene at a step, with velocities and spins at random of PART of the deepest overlap in a step."""
+    """The held scene at a step, with velocities and spins at random, `part` of the deepest overlap in a step."""
     p, rng = stand.scene.particles, np.random.default_rng(7)
-    speed = PART * (stand.deepest or float(p.radius.max())) / dt
+    speed = stand.part * (stand.deepest or float(p.radius.max())) / dt
     moves = mobility(stand.scene)
     v = np.where(moves.translation > 0.0, speed * rng.uniform(-1.0, 1.0, p.v.shape), 0.0)
     with np.errstate(divide="ignore"):
@@ -170,7 +184,7 @@ def of_deck(stand: Standing, quick: bool, progress: Progress) -> Study:
         rates.append(grown(disturbed(stand, part * stand.predicted), STEPS, swings_only=True).each_step)
     readings = [
         ("All stands still, and each particle is held by a constant force, so that the contacts stay as they are; springs of friction start "
-         "unstretched. Velocities and spins at random, 1e-5 of the deepest overlap in a step, are to grow a thousandfold, "
+         "unstretched. Velocities and spins at random, some 1e-5 of the deepest overlap in a step, are to grow a thousandfold, "
          "swinging from step to step, in 300 steps, or hold."),
     ]  # fmt: skip
     if stand.waited:
@@ -186,17 +200,23 @@ def _source(stand: Standing) -> str:
 def finding(stand: Standing, found: Longest, own: Growth, parts: Floats, rates: Floats) -> Finding:
     """Claims, picture, and the limits that `demverify timestep` prints."""
     ratio, step = found.step / stand.predicted, stand.report.step
-    holds = own.size <= GROWN
+    holds, rate = own.size <= GROWN, stand.buckling * stand.predicted
+    buckles = (
+        f"Pressed like this without friction, the contacts do not stay where they are held: they buckle, by a factor of {np.exp(rate):.3g} in a step."
+        if rate > BUCKLES else ""
+    )  # fmt: skip
     claims = (
         Claim(f"The contacts as they stand hold steps up to {stand.predicted:.6g}, within {WITHIN:.0%}.",
-              f"Measured {found.step:.6g}, {ratio:.4f} of it; a single contact would allow {stand.single:.6g}.", abs(ratio - 1.0) <= WITHIN),
+              f"Measured {found.step:.6g}, {ratio:.4f} of it; a single contact would allow {stand.single:.6g}.", abs(ratio - 1.0) <= WITHIN,
+              buckles),
         Claim(f"The deck's step {step:g} holds.", f"It is {step / found.step:.3g} of the measured limit, and a disturbance "
               + ("holds." if holds else "grows."), holds and step < found.grows),
     )  # fmt: skip
     rows = tuple((row.name, row.formula, "absent" if row.value is None else f"{row.value:.6g}", row.what) for row in stand.report.rows)
     table = Table("Limits of the first run as demverify timestep prints them", ("limit", "formula", "value", "of"), rows)
     numbers = {
-        "predicted": stand.predicted, "holds": found.holds, "grows": found.grows, "single contact": stand.single, "contacts": stand.contacts,
+        "predicted": stand.predicted, "holds": found.holds, "grows": found.grows, "single contact": stand.single, "buckling": stand.buckling,
+        "contacts": stand.contacts,
         "own step": step, "steps run before": stand.waited, "step over predicted": parts, "growth in a step": rates,
     }  # fmt: skip
     return Finding("The longest stable step", claims, "", (picture(parts, rates),), (table,), numbers)

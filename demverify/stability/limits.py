@@ -12,6 +12,7 @@ from demsolver import ContactLaw, Scene, Viscous
 from demsolver.stability import ContactLimit, contact_limits
 from demsolver.stability_contacts import contacts_of
 from demverify.report.axes import linear as axis
+from demverify.report.axes import scientific
 from demverify.report.charts import Rule, Series, chart
 from demverify.stability.held import HELD, INTEGRATORS, KN, LIGHTLY, MASS, NUDGE, OVERLAP, RADIUS, SLIGHT, Longest, longest, on_floor, pair
 from demverify.studies import Claim, Figure, Finding, Progress, Table
@@ -232,7 +233,7 @@ def table(sweeps: list[Sweep]) -> Table:
     for a, b in zip(sweeps[0::2], sweeps[1::2], strict=True):
         limit = a.predicted
         K, H = limit.stiffness * limit.combined**2 / limit.mass, limit.damping * limit.combined / limit.mass
-        rows.append((f"{a.case.name}, {a.case.where}", f"{K:.2f}", f"{H:.2f}", f"{limit.combined:.4g}", f"{a.ratio:.4f}", f"{b.ratio:.4f}"))
+        rows.append((f"{a.case.name}, {a.case.where}", f"{K:.2f}", f"{H:.2f}", scientific(limit.combined, 4), f"{a.ratio:.4f}", f"{b.ratio:.4f}"))
     head = ("limit", "K", "H", "predicted step (s)", "measured, Verlet", "measured, Euler")
     return Table("Longest stable step: predicted, and measured over predicted", head, tuple(rows))
 

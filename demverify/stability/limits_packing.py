@@ -12,7 +12,7 @@ from demsolver import Box, Neighbor, Scene, Slab, Viscous, Wall
 from demsolver.stability import contact_limits
 from demsolver.stability_contacts import contacts_of
 from demsolver.stability_packing import packing_limit
-from demverify.report.axes import logarithmic
+from demverify.report.axes import logarithmic, scientific
 from demverify.report.charts import Rule, Series, chart
 from demverify.stability import held
 from demverify.stability.held import DISTURBANCE, INTEGRATORS, KN, NUDGE, OVERLAP, RADIUS, STEPS, Longest, at_wall, linear, longest
@@ -122,7 +122,7 @@ def finding(sweeps: list[PackingSweep]) -> Finding:
 
 def _row(a: PackingSweep, b: PackingSweep) -> tuple[str, ...]:
     name = f"{a.spheres:,} sphere{'s' * (a.spheres > 1)}, {a.law}"
-    return name, f"{a.contacts:,}", f"{a.single:.4g}", f"{a.predicted:.4g}", f"{a.ratio:.4f}", f"{b.ratio:.4f}"
+    return name, f"{a.contacts:,}", scientific(a.single, 4), scientific(a.predicted, 4), f"{a.ratio:.4f}", f"{b.ratio:.4f}"
 
 
 def agreement(n: int, sweeps: list[PackingSweep]) -> Claim:

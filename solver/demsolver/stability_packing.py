@@ -53,6 +53,18 @@ def packing_limit(scene: Scene, contacts: Contacts) -> PackingLimit:
     return PackingLimit(len(contacts), undamped, packing.combined(undamped), ", ".join(laws))
 
 
+def buckling_rate(scene: Scene, contacts: Contacts) -> float:
+    """How fast the scene's contacts, held in equilibrium, give way by themselves, whatever the step: 1/time in which a departure grows e-fold; 0
+    where they are stable, and for packings too large for all eigenvalues (DENSE).
+
+    Spheres pressed in a row without friction buckle: the rows -F/L are negative stiffness."""
+    packing = _Packing(scene, contacts)
+    if packing.rows.shape[1] > DENSE:
+        return 0.0
+    least = -packing.largest(-packing.stiffness)[0]
+    return float(np.sqrt(max(-least, 0.0)))
+
+
 def packing_bound(scene: Scene, contacts: Contacts) -> float:
     """A step that is certainly stable for the packing, at hardly any cost; in dense packings two to five times shorter than the limit.
 

@@ -22,8 +22,8 @@ from demsolver import (
 )
 from demsolver.stability import combined_limit, contact_limits
 from demsolver.stability_contacts import contacts_of
-from demsolver.stability_packing import PackingLimit, packing_bound, packing_limit
-from demverify.stability.held import DISTURBANCE, KN, MASS, OVERLAP, RADIUS, growth, linear, packing, pair, relaxed
+from demsolver.stability_packing import PackingLimit, buckling_rate, packing_bound, packing_limit
+from demverify.stability.held import DISTURBANCE, KN, MASS, OVERLAP, RADIUS, growth, linear, on_floor, packing, pair, relaxed
 from tests.support.laws import every_law
 from tests.support.scenes import cluster, spheres
 
@@ -145,6 +145,15 @@ def test_many_contacts_are_answered_by_compiled_laws(monkeypatch: pytest.MonkeyP
     compiled = limit(scene)
     # the difference of two forces amplifies the rounding of one by 1/SMALL
     assert (compiled.undamped, compiled.combined) == pytest.approx((plain.undamped, plain.combined), rel=1e-9)
+
+
+def test_two_spheres_between_two_forces_buckle() -> None:
+    """Law: a force F that turns with a contact of length L is a stiffness -F/L across it: rate sqrt(F/(L m*)); on a floor there is none."""
+    scene = pair(1e-6, linear((1, 1), mu=0.0))
+    rate = buckling_rate(scene, contacts_of(scene))
+    assert rate == pytest.approx(np.sqrt(KN * OVERLAP / (2 * RADIUS - OVERLAP) / (0.5 * MASS)), rel=1e-6)
+    floor = on_floor(1e-6, linear((1,), mu=0.0))
+    assert buckling_rate(floor, contacts_of(floor)) == 0.0
 
 
 def test_nothing_touching_limits_nothing() -> None:

@@ -97,11 +97,24 @@ def test_a_deck_that_is_to_touch(monkeypatch: pytest.MonkeyPatch, tmp_path: Path
     assert found["holds"] == pytest.approx(closed, rel=0.03)
 
 
-def test_a_step_that_is_too_long_is_said(monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_step_that_is_too_long_is_said(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     """Law: a deck whose own step is above the limit does not come out: status 1."""
     path = made(tmp_path, **TOUCHING, timestep="timestep 1.0e-3")
     assert call(monkeypatch, path, "--quick", "--out", tmp_path / "out") == 1
-    assert "a disturbance grows" in capsys.readouterr().out.replace("\n", " ")
+    limit, own = json.loads((tmp_path / "out" / "numbers.json").read_text())["findings"][0]["claims"]
+    assert limit["came_out"]
+    assert not own["came_out"]
+    assert own["found"].endswith("a disturbance grows.")
+
+
+def test_a_row_that_buckles_says_why(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """Law: pressed by a fifth of their radius without friction, spheres buckle faster than a limit can be measured: the report says so."""
+    places = {"first": "create_atoms 1 single -0.004 0.0 0.0", "second": "create_atoms 1 single 0.004 0.0 0.0"}
+    path = made(tmp_path, **TOUCHING | places, pair="pair_style gran/hooke 1.0e4 0.0 0.0 0.0 0.0 0")
+    assert call(monkeypatch, path, "--quick", "--out", tmp_path / "out") == 0
+    limit, own = json.loads((tmp_path / "out" / "numbers.json").read_text())["findings"][0]["claims"]
+    assert "buckle" in limit["why"]
+    assert own["came_out"]
 
 
 @pytest.mark.parametrize(
@@ -117,7 +130,7 @@ def test_a_step_that_is_too_long_is_said(monkeypatch: pytest.MonkeyPatch, tmp_pa
 def test_what_cannot_be_measured_is_one_line(lines, words, message, monkeypatch, tmp_path, capsys) -> None:
     """Law: a deck without contact, without a run, with nothing that moves, wrong words: status 2, one line, nothing written."""
     path = made(tmp_path, **lines)
-    assert call(monkeypatch, path, *words, "--out", tmp_path / "out") == 2
+    assert call(monkeypatch, path, "--out", tmp_path / "out", *words) == 2
     out, err = capsys.readouterr()
     assert out == ""
     assert err.count("\n") == 1
