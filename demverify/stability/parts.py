@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 from demverify.stability.limits import one_contact
+from demverify.stability.limits_laws import other_laws
 from demverify.stability.limits_packing import packings
 from demverify.stability.limits_plane import plane
 from demverify.studies import Finding, Progress, Study
@@ -13,6 +14,7 @@ Part = Callable[[bool, Progress], Finding | Sequence[Finding]]
 
 PARTS: list[tuple[str, Part]] = [
     ("one contact", one_contact),
+    ("other laws", other_laws),
     ("plane", plane),
     ("packings", packings),
 ]
