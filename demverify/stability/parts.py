@@ -8,6 +8,7 @@ from demverify.stability.limits import one_contact
 from demverify.stability.limits_laws import other_laws
 from demverify.stability.limits_packing import packings
 from demverify.stability.limits_plane import plane
+from demverify.stability.stress import stress
 from demverify.studies import Finding, Progress, Study
 
 Part = Callable[[bool, Progress], Finding | Sequence[Finding]]
@@ -17,6 +18,7 @@ PARTS: list[tuple[str, Part]] = [
     ("other laws", other_laws),
     ("plane", plane),
     ("packings", packings),
+    ("stress", stress),
 ]
 TITLE = "Where a step breaks"
 SOURCE = "Theory: the eigenvalues of a step (docs/timestep.md; after K. Shobuzako, DEM no kiso, 2025, section 2, and E. I. Jury)."
