@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
 from demverify.formats.atomic import atomic_write
 from demverify.frames import Floats
@@ -28,7 +29,8 @@ _MARKS = (
 )
 _DASHES = ("", "7 3", "2 2.5", "9 3 2 3", "4 2", "1 2")
 _ROW, _LETTER = 16, 5.7  # height of a row of the legend, width of a letter
-_MARGIN = 4  # what may stick out of the axes: half a mark
+_RING = "M{x} {y}m-5.2 0a5.2 5.2 0 1 0 10.4 0a5.2 5.2 0 1 0 -10.4 0z"
+_MARGIN = 6  # what may stick out of the axes: half a mark, or a ring
 
 _STYLE = """<style>
 :root { font-family: system-ui, sans-serif; font-size: 10.5px; background: #ffffff; color-scheme: light dark }
@@ -46,13 +48,16 @@ path { fill: none } .head { font-size: 12.5px; font-weight: 650; fill: #1b1f24 }
 
 @dataclass(frozen=True)
 class Series:
-    """One row of points. x, y: (k,); NaN breaks a line. style: 0 to 5. shown: what is drawn. An empty name is not in the legend."""
+    """One row of points. x, y: (k,); NaN breaks a line. style: 0 to 5. shown: what is drawn. An empty name is not in the legend.
+
+    ringed: (k,) of bool, points with a ring around their mark; None: none."""
 
     name: str
     x: Floats
     y: Floats
     style: int
     shown: Literal["line", "marks", "both"] = "line"
+    ringed: NDArray[np.bool_] | None = None
 
 
 @dataclass(frozen=True)
@@ -98,7 +103,11 @@ def _stroke(style: int) -> str:
 
 
 def _mark(style: int, x: Floats, y: Floats) -> str:
-    path = "".join(_MARKS[style % 6].format(x=f"{a:.1f}", y=f"{b:.1f}") for a, b in zip(x, y, strict=True) if np.isfinite(b))
+    return _outlined(_MARKS[style % 6], style, x, y)
+
+
+def _outlined(shape: str, style: int, x: Floats, y: Floats) -> str:
+    path = "".join(shape.format(x=f"{a:.1f}", y=f"{b:.1f}") for a, b in zip(x, y, strict=True) if np.isfinite(a) and np.isfinite(b))
     return f'<path class="b{style % 6}" stroke-width="1.2" d="{path}"/>'
 
 
@@ -108,6 +117,9 @@ def _drawn(one: Series, x_axis: Axis, y_axis: Axis) -> str:
         parts.append(line(*places(one.x, one.y, x_axis, y_axis), _stroke(one.style)))
     if one.shown != "line":
         parts.append(_mark(one.style, *_at(one, x_axis, y_axis)))
+    if one.ringed is not None and one.ringed.any():
+        x, y = _at(one, x_axis, y_axis)
+        parts.append(_outlined(_RING, one.style, x[one.ringed], y[one.ringed]))
     return "".join(parts)
 
 
