@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Annotated, Any, NoReturn
 
 import typer
 
+from demverify.cli_bench import bench
 from demverify.cli_erotate import erotate
 from demverify.cli_library import cases, new_case, verify
 from demverify.cli_reproduce import reproduce
@@ -37,6 +38,7 @@ app.command()(erotate)
 app.command()(reproduce)
 app.command()(stability)
 app.command()(timestep)
+app.add_typer(bench, name="bench")
 app.command("cases")(cases)
 app.command("verify")(verify)
 app.command("new-case")(new_case)

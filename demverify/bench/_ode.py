@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from demsolver import Scene
 
 MOST_PIECES = 10_000
-AT_ONCE = 1e-13  # overlaps that are zero but for rounding and for the tolerance
+SLACK = 1e-15  # a contact ends at this gap and begins at this overlap, a hundred times the rounding of either
 
 
 @dataclass(frozen=True)
@@ -75,17 +75,19 @@ class Spheres:
         return np.concatenate([v.ravel(), (force / self.mass[:, None]).ravel()])
 
 
-def solved(spheres: Spheres, x: Floats, v: Floats, duration: float, tolerance: float) -> tuple[Floats, Floats]:
-    """Positions and velocities (n, 3) at the end. tolerance: relative, of a step of the integrator. Raises ArithmeticError if contacts do not stop changing."""
+def solved(spheres: Spheres, x: Floats, v: Floats, duration: float, tolerance: float, least: int) -> tuple[Floats, Floats]:
+    """Positions and velocities (n, 3) at the end. tolerance: relative, of a step of the integrator. least: as many steps as it takes at
+    least, so that no contact opens and closes again within one. Raises ArithmeticError if contacts do not stop changing."""
     from scipy.integrate import solve_ivp
 
     y, t = np.concatenate([x.ravel(), v.ravel()]).astype(float), 0.0
-    touching = [one for one in spheres.contacts if spheres.overlap(one, y) >= -1e-15]
+    touching = [one for one in spheres.contacts if spheres.overlap(one, y) >= -SLACK / 2]
     for _ in range(MOST_PIECES):
         events = [_event(spheres, one, opens=one in touching) for one in spheres.contacts]
         piece = solve_ivp(
-            lambda _, y, touching=touching: spheres.rate(y, touching), (t, duration), y, method="DOP853", rtol=tolerance, atol=tolerance * 1e-3, events=events
-        )
+            lambda _, y, touching=touching: spheres.rate(y, touching), (t, duration), y, method="DOP853", rtol=tolerance, atol=tolerance * 1e-3, events=events,
+            max_step=duration / least,
+        )  # fmt: skip
         y, t = piece.y[:, -1], float(piece.t[-1])
         if piece.status == 0:
             x, v = y.reshape(2, -1, 3)
@@ -97,19 +99,18 @@ def solved(spheres: Spheres, x: Floats, v: Floats, duration: float, tolerance: f
 
 
 def _after(spheres: Spheres, y: Floats, touching: list[tuple[int, int]], changed: tuple[int, int]) -> list[tuple[int, int]]:
-    """Who touches after a change: of those that change at the same moment, as in a symmetric scene they do, each by whether it closes."""
-    now = set(touching) ^ {changed}
-    rate = spheres.rate(y, touching)
+    """Who touches after a change: in a symmetric scene several change at one moment, and those that are there but for rounding change too."""
+    found = []
     for one in spheres.contacts:
-        if one != changed and abs(spheres.overlap(one, y)) < AT_ONCE:
-            ahead = spheres.overlap(one, y + 1e-9 * rate)
-            now = now | {one} if ahead > spheres.overlap(one, y) else now - {one}
-    return [one for one in spheres.contacts if one in now]
+        overlap = spheres.overlap(one, y)
+        before = one in touching
+        found += [one] if (before ^ (one == changed or (overlap < -0.9 * SLACK if before else overlap > 0.9 * SLACK))) else []
+    return found
 
 
 def _event(spheres: Spheres, contact: tuple[int, int], *, opens: bool):  # type: ignore[no-untyped-def]  # a function with attributes
     def event(_: float, y: Floats) -> float:
-        return spheres.overlap(contact, y)
+        return spheres.overlap(contact, y) + (SLACK if opens else -SLACK)
 
     event.terminal, event.direction = True, -1.0 if opens else 1.0  # type: ignore[attr-defined]
     return event

@@ -1,0 +1,47 @@
+"""`demverify bench`: the words of the command line, and where its results go."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+bench = typer.Typer(help="Measure run time against error.", no_args_is_help=True)
+
+
+@bench.callback()
+def _room() -> None:
+    """Measure run time against error."""
+
+
+@bench.command()
+def accuracy(
+    scene: Annotated[list[str] | None, typer.Argument(metavar="[SCENE]...", help="Which scenes; all when none is named.")] = None,
+    out: Annotated[Path, typer.Option(metavar="DIR", help="Folder for reports, pictures and numbers.")] = Path("demverify-accuracy"),
+    json: Annotated[Path | None, typer.Option(metavar="FILE", help="Also write claims and numbers of all scenes as JSON.")] = None,
+    quick: Annotated[bool, typer.Option("--quick", help="Few and long steps, the engines in one scene; under a minute once all is compiled.")] = False,
+) -> None:
+    """Draw error against wall time and steps, for every law, integrator and engine, in scenes whose solution is known."""
+    from demverify import bench as scenes
+    from demverify.cli_reproduce import bar
+    from demverify.formats.atomic import check_writable
+    from demverify.report.json import write_whole
+    from demverify.report.study import as_dict, as_json, write_study
+    from demverify.report.study_text import print_study
+    from demverify.studies import unexplained
+
+    names = tuple(dict.fromkeys(scene or scenes.listing()))
+    scenes.check(names)
+    check_writable(json)
+    for name in names:
+        (out / name).mkdir(parents=True, exist_ok=True)
+    found = {}
+    for name in names:
+        with bar(name) as progress:
+            found[name] = scenes.run(name, quick, progress)
+        command = f"demverify bench accuracy {name}{' --quick' if quick else ''}"
+        print_study(name, found[name], write_study(out / name, found[name], command))
+    if json:
+        write_whole(json, as_json({"quick": quick, "scenes": {name: as_dict(one) for name, one in found.items()}}))
+    raise typer.Exit(1 if any(unexplained(one) for one in found.values()) else 0)
