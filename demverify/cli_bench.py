@@ -20,7 +20,7 @@ def accuracy(
     scene: Annotated[list[str] | None, typer.Argument(metavar="[SCENE]...", help="Which scenes; all when none is named.")] = None,
     out: Annotated[Path, typer.Option(metavar="DIR", help="Folder for reports, pictures and numbers.")] = Path("demverify-accuracy"),
     json: Annotated[Path | None, typer.Option(metavar="FILE", help="Also write claims and numbers of all scenes as JSON.")] = None,
-    quick: Annotated[bool, typer.Option("--quick", help="Few and long steps, the engines in one scene; under a minute once all is compiled.")] = False,
+    quick: Annotated[bool, typer.Option("--quick", help="Few and long steps, the engines in one scene; a minute once all is compiled.")] = False,
 ) -> None:
     """Draw error against wall time and steps, for every law, integrator and engine, in scenes whose solution is known."""
     from demverify import bench as scenes

@@ -49,8 +49,9 @@ class Measure:
 
 @dataclass(frozen=True)
 class Contender:
-    """One way of solving. style: of its line, 0 to 5. change: what is made of the deck's scene (native only). exact: keeps the energy by construction.
-    orders: short name of a measure -> the order that theory gives it. why: short name -> why theory does not hold here, where that is known."""
+    """One way of solving. style: of its line, 0 to 5. change: what is made of the deck's scene (native only). exact: keeps the energy by
+    construction. orders: short name of a measure -> the order that theory gives it. why: short name -> why theory does not hold here, where that
+    is known."""
 
     name: str
     style: int
@@ -67,7 +68,8 @@ class Contender:
 class Problem:
     """One solution, and who looks for it.
 
-    scene: folder of inputs/bench. name: of the law. variables: of the decks. duration [s] simulated. unit [s]: what steps are stated in; unit_name: in
+    scene: folder of inputs/bench. name: of the law. variables: of the decks. duration [s] simulated. unit [s]: what steps are stated in;
+    unit_name: in
     words. shares: the steps, in units. instants: how many moments are looked at, equally far apart, the last at the end. reference: in words.
     convergence: (how fine, how far from the finest, relative), of a reference that is itself computed.
     """
@@ -103,7 +105,8 @@ class Problem:
 
 @dataclass(frozen=True)
 class Point:
-    """A contender at one step. step [s]. errors: one a measure, inf where the run broke. seconds: wall time per simulated second, median; spread: half
+    """A contender at one step. step [s]. errors: one a measure, inf where the run broke. seconds: wall time per simulated second, median; spread:
+    half
     of the way between the quartiles, over the median. start [s]: what an engine's process took besides its loop."""
 
     step: float
@@ -224,7 +227,8 @@ def _engine_states(problem: Problem, contender: Contender, steps: int) -> list[S
         run = _run(problem, contender, steps, Path(folder), steps // problem.instants)
         if run.outcome.status != "ok":
             return None
-        return [State(*(frame.vectors(*axes) for axes in (("x", "y", "z"), ("vx", "vy", "vz"), ("omegax", "omegay", "omegaz")))) for frame in run.frames[1:]]
+        columns = (("x", "y", "z"), ("vx", "vy", "vz"), ("omegax", "omegay", "omegaz"))
+        return [State(*(frame.vectors(*axes) for axes in columns)) for frame in run.frames[1:]]
 
 
 def _run(problem: Problem, contender: Contender, steps: int, folder: Path, every: int | None) -> Run:
@@ -265,7 +269,8 @@ def _time(problem: Problem, contender: Contender, steps: int) -> tuple[float, fl
             outcome = _run(problem, contender, steps, Path(folder), None).outcome
         loop = _loop(outcome)
         return loop, outcome.wall_s - loop
-    spent, starts = [], []
+    spent: list[float] = []
+    starts: list[float] = []
     while not spent or (sum(spent) < LONG_ENOUGH_S and len(spent) < 5):
         began = perf_counter()
         simulation = _simulation(problem, contender, steps)

@@ -5,6 +5,7 @@ Pieces between changes of contact are smooth, and DOP853 of scipy keeps its orde
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import combinations
 from typing import TYPE_CHECKING
@@ -22,7 +23,8 @@ SLACK = 1e-15  # a contact ends at this gap and begins at this overlap, a hundre
 
 @dataclass(frozen=True)
 class Spheres:
-    """radius, mass: (n,). Force kn d^power sqrt(R*)^(2 (power - 1)) + gamma m* d': of a pair with reduced mass and radius, of the floor z = 0 with the sphere's."""
+    """radius, mass: (n,). Force kn d^power sqrt(R*)^(2 (power - 1)) + gamma m* d': of a pair with reduced mass and radius, of the floor z = 0
+    with the sphere's."""
 
     radius: Floats
     mass: Floats
@@ -85,8 +87,8 @@ def solved(spheres: Spheres, x: Floats, v: Floats, duration: float, tolerance: f
     for _ in range(MOST_PIECES):
         events = [_event(spheres, one, opens=one in touching) for one in spheres.contacts]
         piece = solve_ivp(
-            lambda _, y, touching=touching: spheres.rate(y, touching), (t, duration), y, method="DOP853", rtol=tolerance, atol=tolerance * 1e-3, events=events,
-            max_step=duration / least,
+            lambda _, y, touching=touching: spheres.rate(y, touching), (t, duration), y,
+            method="DOP853", rtol=tolerance, atol=tolerance * 1e-3, events=events, max_step=duration / least,
         )  # fmt: skip
         y, t = piece.y[:, -1], float(piece.t[-1])
         if piece.status == 0:
@@ -108,7 +110,9 @@ def _after(spheres: Spheres, y: Floats, touching: list[tuple[int, int]], changed
     return found
 
 
-def _event(spheres: Spheres, contact: tuple[int, int], *, opens: bool):  # type: ignore[no-untyped-def]  # a function with attributes
+def _event(spheres: Spheres, contact: tuple[int, int], *, opens: bool) -> Callable[[float, Floats], float]:
+    """As `solve_ivp` asks for it: a function with attributes."""
+
     def event(_: float, y: Floats) -> float:
         return spheres.overlap(contact, y) + (SLACK if opens else -SLACK)
 

@@ -10,7 +10,7 @@ from demverify.frames import Floats
 
 LARGEST = 0.1  # relative errors above are not small
 FLAT = 0.3  # local slopes below, at the small end, are a floor: rounding, or another model
-SCATTER = 0.15  # rms of ln(error) about the line, up to which errors follow a power
+SCATTER = (0.15, 0.4)  # rms of ln(error) about the line, up to which errors follow a power; the second where phases of steps scatter them
 LEAST = 4  # points of a fit
 
 
@@ -30,8 +30,8 @@ class Order:
 
 
 def fit_order(steps: Floats, errors: Floats) -> Order | None:
-    """The order over the asymptotic range: the longest row of steps, ending with the shortest, over which a power of the step fits within SCATTER;
-    the LEAST shortest where none does.
+    """The order over the asymptotic range: the longest row of steps, ending with the shortest, over which a power of the step fits within the first
+    SCATTER, else the second; the LEAST shortest where none does.
 
     steps, errors: (k,), in any order. Left out before: errors above LARGEST, that are zero or no number, and a floor at the small end, where a
     shorter step no longer helps. None where fewer than LEAST are left.
@@ -40,7 +40,7 @@ def fit_order(steps: Floats, errors: Floats) -> Order | None:
     if len(h) < LEAST:
         return None
     fits = [_fit(h[a:], e[a:]) for a in range(len(h) - LEAST + 1)]
-    return next((order for order, off in fits if off <= SCATTER), fits[-1][0])
+    return next((order for most in SCATTER for order, off in fits if off <= most), fits[-1][0])
 
 
 def _usable(h: Floats, e: Floats) -> tuple[Floats, Floats]:

@@ -22,11 +22,14 @@ READINGS = (
     "No contact opens or closes: only the dashpot takes an order from Verlet here, for it sees the velocity of half a step before.",
     "Linear only: with Hertz the engines damp by other formulas, and model P has a restitution in place of a dashpot.",
 )
-_KICKS = "Its springs are of order two; dashpots act in a kick before and one after them, each with the velocity from before the kick, which is of order one."
+_KICKS = (
+    "Its springs are of order two; dashpots act in a kick before and one after them, each with the velocity from before it, which is of order one."
+)
 
 
 def sag(n: int, time: float) -> tuple[Floats, Floats]:
-    """Displacements and velocities (n,) along z: m z'' = -g m - K z - C z', from rest at z = 0. K, C: of the chain that hangs on the floor; the dashpot is
+    """Displacements and velocities (n,) along z: m z'' = -g m - K z - C z', from rest at z = 0. K, C: of the chain that hangs on the floor; the
+    dashpot is
     gamma m* of each contact, m* = m/2 of a pair and m of the floor."""
     from scipy.linalg import expm
 

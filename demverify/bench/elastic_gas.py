@@ -16,6 +16,7 @@ from demverify.frames import Floats
 
 if TYPE_CHECKING:
     from demsolver import Scene
+    from demsolver.simulate import Precision
 
 TITLE = "energy of an elastic gas"
 STIFFNESS = {"hooke": 1e4, "hertz": 1e7}
@@ -24,7 +25,7 @@ CONTACT = pi * sqrt(0.5 * MASS / STIFFNESS["hooke"])
 DURATION, INSTANTS = 0.05, 20
 COPIES = 2  # of the gas along each axis
 READINGS = (
-    "Model P keeps the energy of one straight contact alone; here spheres meet askew and several at once, and each such contact changes it (docs/energy.md).",
+    "Model P keeps the energy of one straight contact alone; here spheres meet askew and several at once, each of which changes it (docs/energy.md).",
     "200 spheres of 10 mm in a periodic box of 70 mm, a volume fraction of 0.31, 0.2 m/s each way; some 0.05 s, that is 60 contact times.",
     "Threads share rows of 1,024 and more: in the gas of 200 there is nothing to share, hence the one of 1,600, eight times the same.",
 )
@@ -64,7 +65,8 @@ def copied(scene: Scene) -> Scene:
     m, n = len(shifts), len(p.id)
     particles = replace(
         p, id=np.arange(1, m * n + 1), type=np.tile(p.type, m), x=(shifts[:, None, :] + p.x).reshape(-1, 3), v=np.tile(p.v, (m, 1)),
-        omega=np.tile(p.omega, (m, 1)), radius=np.tile(p.radius, m), mass=np.tile(p.mass, m), mask=np.tile(p.mask, m), image=np.tile(p.image, (m, 1)),
+        omega=np.tile(p.omega, (m, 1)), radius=np.tile(p.radius, m), mass=np.tile(p.mass, m), mask=np.tile(p.mask, m),
+        image=np.tile(p.image, (m, 1)),
     )  # fmt: skip
     return replace(scene, box=replace(scene.box, hi=scene.box.lo + COPIES * length, margin=None), particles=particles)
 
@@ -97,9 +99,9 @@ def _problem(model: str, name: str, shares: tuple[float, ...], contenders: tuple
 
 
 def _modes() -> tuple[Contender, ...]:
-    ways = ((1, "double"), (2, "double"), (1, "mixed"), (2, "mixed"))
+    ways: tuple[tuple[int, Precision], ...] = ((1, "double"), (2, "double"), (1, "mixed"), (2, "mixed"))
     return tuple(
         Contender(f"{precision}, {threads} thread{'s' if threads > 1 else ''}", style, change=copied, precision=precision, threads=threads,
                   orders={"energy": 2.0} if precision == "double" else {})
         for style, (threads, precision) in enumerate(ways)
-    )  # type: ignore[arg-type]  # fmt: skip
+    )  # fmt: skip

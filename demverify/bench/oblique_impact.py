@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from functools import lru_cache
+from collections.abc import Callable, Sequence
+from functools import lru_cache, partial
 from math import cos, pi, sin, sqrt
 from typing import TYPE_CHECKING
 
@@ -20,25 +20,28 @@ KN, KT, FRICTION = 1e6, 8e5, 0.3
 CONTACT = 1.1365e-4  # [s] of the spheres of the deck, pi sqrt(m/kn): what steps are stated in
 DURATION = 100.0 * CONTACT
 READINGS = (
-    "Ten spheres of 10 mm with 4 mm/s, 30 degrees from the normal, no gravity, each by itself and at a phase of its own. The equations without damping "
-    "are linear in the speed: a slow impact keeps the overlap at 2e-5 of the radius, and with it what LIGGGHTS' lever, shorter by half of it, changes.",
+    ("Ten spheres of 10 mm with 4 mm/s, 30 degrees from the normal, no gravity, each by itself and at a phase of its own. The equations without "
+    "damping "
+    "are linear in the speed: a slow impact keeps the overlap at 2e-5 of the radius, and with it what LIGGGHTS' lever, shorter by half of it, "
+    "changes."),
     "Without model P: its contacts take some three steps, however short, so that the shorter the step the less friction has time to do.",
     "Linear springs only: with Mindlin's tangential stiffness the two engines and the native laws solve different equations.",
 )
 
 
 def rebound(mass: float, vn: float, slip: float) -> float:
-    """Slip of the contact point after the impact. Normal: d = vn/w sin(w t), w^2 = kn/m. Along: m u' = 7/2 F, with F = -kt s, s' = u while |F| <= mu kn d,
+    """Slip of the contact point after the impact. Normal: d = vn/w sin(w t), w^2 = kn/m. Along: m u' = 7/2 F, with F = -kt s, s' = u while |F| <=
+    mu kn d,
     else F = -mu kn d against the stretch and s = mu kn d/kt. Piece by piece in closed form; slip, vn > 0."""
     w, own = sqrt(KN / mass), sqrt(3.5 * KT / mass)
     limit = FRICTION * KN / KT * vn / w  # of the stretch, times sin(w t)
     t, s, u, sliding, sign, end = 0.0, 0.0, slip, slip > limit * w, 1.0, pi / w
     while t < end:
         if sliding:
-            stop = _first(lambda x, t=t, u=u, sign=sign: sign * _slid(x, t, u, sign, vn, w) - limit * w * cos(w * x), t, end)
+            stop = _first(partial(_faster, t=t, u=u, sign=sign, vn=vn, w=w, least=limit * w), t, end)
             u, s, sliding = _slid(stop, t, u, sign, vn, w), sign * limit * sin(w * stop), False
         else:
-            stop = _first(lambda x, t=t, s=s, u=u: limit * sin(w * x) - abs(_stuck(x - t, s, u, own)[0]), t, end)
+            stop = _first(partial(_held, t=t, s=s, u=u, own=own, w=w, limit=limit), t, end)
             s, u = _stuck(stop - t, s, u, own)
             sign, sliding = (1.0 if s > 0.0 else -1.0), True
         t = stop
@@ -50,12 +53,22 @@ def _slid(x: float, t: float, u: float, sign: float, vn: float, w: float) -> flo
     return u - sign * 3.5 * FRICTION * vn * (cos(w * t) - cos(w * x))
 
 
+def _faster(x: float, t: float, u: float, sign: float, vn: float, w: float, least: float) -> float:
+    """By how much the slip is faster than the stretch at the limit grows: positive while it slides."""
+    return sign * _slid(x, t, u, sign, vn, w) - least * cos(w * x)
+
+
+def _held(x: float, t: float, s: float, u: float, own: float, w: float, limit: float) -> float:
+    """By how much the stretch is below the limit: positive while it sticks."""
+    return limit * sin(w * x) - abs(_stuck(x - t, s, u, own)[0])
+
+
 def _stuck(x: float, s: float, u: float, own: float) -> tuple[float, float]:
     """Stretch and slip after x of sticking."""
     return s * cos(own * x) + u / own * sin(own * x), u * cos(own * x) - s * own * sin(own * x)
 
 
-def _first(positive, t: float, end: float) -> float:  # type: ignore[no-untyped-def]
+def _first(positive: Callable[[float], float], t: float, end: float) -> float:
     """The first moment after t at which the function stops being positive; `end` if none. (Where a piece begins it is zero.)"""
     from scipy.optimize import brentq
 

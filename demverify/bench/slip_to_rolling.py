@@ -19,9 +19,10 @@ KN, KT, FRICTION, GRAVITY = 1e6, 1e6 / 3.5, 0.3, 9.81
 SWING = 1.1365e-4  # [s] half a swing of the tangential spring, pi sqrt(2 m/(7 kt)): what steps are stated in
 DURATION = 9.775e-3  # all have begun to roll, 0.2 to 0.8 of half a swing before
 READINGS = (
-    "Ten balls of 10 mm at 0.1 m/s and up to 0.2 % more, each by itself; they end their slip at ten phases of a step. No dashpots: LIGGGHTS counts "
-    "the tangential one outside the friction limit, LAMMPS inside. The floor is so stiff that LIGGGHTS' lever R - overlap/2 is 1.3e-6 short.",
-    "The spring winds up in 1.3e-7 s, a thousandth of the swing: to every step here the force of friction begins with a jump, which takes Verlet one order.",
+    ("Ten balls of 10 mm at 0.1 m/s and up to 0.2 % more, each by itself; they end their slip at ten phases of a step. No dashpots: LIGGGHTS counts "
+    "the tangential one outside the friction limit, LAMMPS inside. The floor is so stiff that LIGGGHTS' lever R - overlap/2 is 1.3e-6 short."),
+    ("The spring winds up in 1.3e-7 s, a thousandth of the swing: to every step here the force of friction begins with a jump, which takes Verlet "
+    "one order."),
 )
 
 
