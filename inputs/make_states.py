@@ -1,13 +1,15 @@
-"""Makes the particle states of the case folders: `python inputs/make_states.py bed silo chute`. Their data files are what the decks read.
+"""Makes the particle states of the case folders: `python inputs/make_states.py bed silo chute gas`. Their data files are what the decks read.
 
 bed: 1,000 spheres of two types dropped into a periodic column, settled, then given small random velocities, so that contacts also
 slide and roll. silo: the same spheres in a cylinder of radius 0.05 m about the z axis.
 chute: 10,000 spheres settled on a frozen rough base, then flowing down 24 degrees until the flow is developed.
+gas: 200 spheres in a periodic box, for the bench.
 """
 
 from __future__ import annotations
 
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -148,6 +150,21 @@ def make_chute() -> None:
     write(HERE / "chute" / "chute.data", flowing.particles(), density, lengths, 7, title)
 
 
+def make_gas() -> None:
+    """200 spheres of 10 mm at random in a periodic box of 70 mm, none nearer than 1 % of a diameter, 0.2 m/s each way and no momentum."""
+    rng = np.random.default_rng(1)
+    n, radius, length = 200, 0.005, 0.07
+    x: list[np.ndarray] = []
+    while len(x) < n:
+        new = rng.uniform(0.0, length, 3)
+        if all(np.linalg.norm((new - old + length / 2) % length - length / 2) > 2.02 * radius for old in x):
+            x.append(new)
+    v = rng.normal(0.0, 0.2, (n, 3))
+    p = replace(particles(np.array(x), np.full(n, radius), np.ones(n, int), 2500.0), v=v - v.mean(axis=0))
+    title = "200 spheres at random in a periodic box, with Maxwell's velocities and no momentum; made by inputs/make_states.py"
+    write(HERE / "bench" / "elastic-gas" / "gas.data", p, 2500.0, (length,) * 3, 9, title)
+
+
 if __name__ == "__main__":
-    for name in sys.argv[1:] or ["bed", "silo", "chute"]:
-        {"bed": make_bed, "silo": make_silo, "chute": make_chute}[name]()
+    for name in sys.argv[1:] or ["bed", "silo", "chute", "gas"]:
+        {"bed": make_bed, "silo": make_silo, "chute": make_chute, "gas": make_gas}[name]()

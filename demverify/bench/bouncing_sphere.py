@@ -104,12 +104,12 @@ def _problem(model: str, quick: bool) -> Problem:
 
 
 _BOTH = (
-    "It has Verlet's error of contact entry, of order two with a large factor, and half a step of gravity, of order one with a small one: at these steps "
-    "the second does not rule yet."
+    "It has Verlet's error of contact entry, of order two with a large factor, and half a step of gravity, of order one with a small one: at these "
+    "steps the second does not rule yet."
 )
 _SMOOTH = (
-    "Contact entry gives order 2.5 with a large factor, the smooth rest of the contact order two with a small one: at these steps the second does not "
-    "rule yet."
+    "Contact entry gives order 2.5 with a large factor, the smooth rest of the contact order two with a small one: at these steps the second does "
+    "not rule yet."
 )
 
 
