@@ -25,8 +25,8 @@ READINGS = (
         "R - overlap/2 is 1.3e-6 short."
     ),
     (
-        "The spring winds up in 1.3e-7 s, less than an eighth of the shortest step: to every step here friction begins with a jump, which takes Verlet "
-        "one order."
+        "The spring winds up in 1.3e-7 s, less than an eighth of the shortest step: to every step here friction begins with a jump, which takes "
+        "Verlet one order."
     ),
 )
 
