@@ -101,7 +101,7 @@ def _finding(judged: Judged) -> Finding:
     if judged.k == 0:
         tables.append(_starts(judged))
     set_up = (
-        f"Error: {measure.name}. Reference: {problem.reference} Steps of {problem.shares[0]:g} to {problem.shares[-1]:g} of {problem.unit_name}, "
+        f"Error: {measure.name}. Reference: {problem.reference} Steps of {problem.shares[0]:.2g} to {problem.shares[-1]:.2g} of {problem.unit_name}, "
         f"{scientific(problem.unit)} s; {problem.duration:g} s are simulated."
     )
     return Finding(title, claims_of(judged, orders), set_up, _figures(judged), tuple(tables), _numbers(judged, orders))
@@ -201,8 +201,9 @@ def _cheapest(judged: Judged) -> Table:
         row, j = owner[at]
         return scientific(target), row.contender.name, row.steps[j] / judged.problem.unit, float(seconds[at]), float(errors[at])
 
-    head = ("Error at most", "Cheapest", f"step in units of {judged.problem.unit_name}", "wall time [s] per simulated second", "its error")
-    return Table("The cheapest way to an error", head, tuple(row_of(target) for target in TARGETS))
+    head = ("Error at most", "cheapest", "step", "wall time", "its error")
+    title = f"The cheapest way to an error; step in units of {judged.problem.unit_name}, wall time [s] per simulated second"
+    return Table(title, head, tuple(row_of(target) for target in TARGETS))
 
 
 def _orders(judged: Judged, orders: Sequence[Order | None]) -> Table:
@@ -212,7 +213,7 @@ def _orders(judged: Judged, orders: Sequence[Order | None]) -> Table:
         told = (order_text(order), range_text(order, judged.problem)) if order else (DASH, DASH)
         return row.contender.name, *told, smallest, 1e6 * float(np.nanmedian(row.seconds * row.steps)) if np.isfinite(row.seconds).any() else DASH
 
-    head = ("Contender", "observed order", "fitted over steps of", "smallest error", "a step [µs]")
+    head = ("Contender", "observed order", "over steps of", "smallest error", "a step [µs]")
     return Table("Observed orders", head, tuple(row_of(row, order) for row, order in zip(judged.rows, orders, strict=True)))
 
 
@@ -229,8 +230,9 @@ def _starts(judged: Judged) -> Table:
         compiled = row.compiled if np.isfinite(row.compiled) else DASH
         return row.contender.name, compiled, float(np.median(starts)) if starts else DASH, 100.0 * float(np.median(spread)) if spread else DASH
 
-    head = ("Contender", "first run, with compilation or its cache [s]", "start of a run [s]", "quartiles of times, ± %")
-    return Table("Apart from the loop", head, tuple(map(row_of, judged.rows)))
+    head = ("Contender", "first run [s]", "start [s]", "quartiles, ± %")
+    title = "Apart from the loop: the first run, which compiles or loads what was compiled; the start of every run; quartiles of times"
+    return Table(title, head, tuple(map(row_of, judged.rows)))
 
 
 def _numbers(judged: Judged, orders: Sequence[Order | None]) -> dict[str, Any]:
