@@ -229,6 +229,7 @@ def entry_finding(wholes: Sequence[int]) -> Finding:
     rows = tuple(
         (entry.name, order_text(order) if (order := orders[entry]) else "none", float(rms[entry][-1]), float(mean[entry][-1])) for entry in ENTRIES
     )
+    told = "Over all phases: root mean square (rms) and mean at the shortest step"
     head = ("contact", "order of the rms", "rms", "mean")
     return Finding(
         "What contact entry does", claims,
@@ -240,7 +241,7 @@ def entry_finding(wholes: Sequence[int]) -> Finding:
         "and a half instead. Hertz begins more smoothly, with overlap^1.5, which gives order 2.5; a dashpot begins with a jump and takes one "
         "order. Without "
         "gravity Euler moves as Verlet does.",
-        (_entry_picture(wholes, found[plain], plain), _entry_orders(steps, rms)), (Table("Over all phases: root mean square (rms) and mean at the shortest step", head, rows),),
+        (_entry_picture(wholes, found[plain], plain), _entry_orders(steps, rms)), (Table(told, head, rows),),
         {entry.name: {"step": steps[entry], "phase": phases(), "error": found[entry]} for entry in ENTRIES},
     )  # fmt: skip
 

@@ -21,6 +21,9 @@ TITLE = "a sphere slides between two others"
 GRAVITY, DURATION = 9.80665, 0.1
 STIFFNESS = {"hooke": 1e5, "hertz": 2e7}
 FINENESS = ((1e-8, 2_000), (1e-10, 3_000), (1e-12, 5_000), (3e-14, 8_000))  # tolerance, and steps at least
+READINGS = (
+    "Euler starts from rest as if half a step later, which the speed at the end, that stays as it is, does not show: it is of order two here.",
+)
 NAMES = {"hooke": "Linear spring", "hertz": "Hertz"}
 
 
@@ -52,7 +55,7 @@ def _problem(model: str, quick: bool) -> Problem:
     mass = 2500.0 * 4.0 / 3.0 * pi * 0.02**3
     own: tuple[Contender, ...] = (
         Contender(VERLET, 0, orders={"speed": 2.0}),
-        Contender(EULER, 1, change=euler, orders={} if quick else {"speed": 1.0}),
+        Contender(EULER, 1, change=euler, orders={"speed": 2.0}),
     )
     if model == "hooke":
         own += (Contender(GRADIENT, 2, change=gradient), Contender(MENDED, 3, change=mended))

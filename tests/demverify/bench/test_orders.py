@@ -14,13 +14,13 @@ STEPS = np.geomspace(0.2, 0.002, 10)
 
 @pytest.mark.parametrize("order", [1.0, 2.0, 2.5, 4.0])
 def test_a_power_is_found_exactly(order: float) -> None:
-    """Law: errors that are a power of the step have that order, without doubt, over all steps whose error is small."""
+    """Law: errors that are a power of the step have that order, without doubt, down to the shortest step."""
     found = fit_order(STEPS, 0.3 * STEPS**order)
     assert found is not None
     assert found.value == pytest.approx(order, abs=1e-10)  # rounding of logarithms
     assert found.half < 1e-8
-    assert found.points == 10
-    assert (found.longest, found.shortest) == (0.2, 0.002)
+    assert found.points >= 5  # which row is the narrowest is a matter of rounding here
+    assert found.shortest == 0.002
 
 
 @settings(deadline=None)
@@ -50,11 +50,11 @@ def test_a_floor_of_rounding_is_left_out() -> None:
 
 
 def test_scatter_widens_the_interval_and_it_holds_the_order() -> None:
-    """Law: of noisy errors of order 2 some 95 % of the intervals hold 2; here 90 % at least of 200."""
+    """Law: of noisy errors of order 2 nearly 95 % of the intervals hold 2, for the row is chosen; here 90 % at least of 1,000."""
     rng = np.random.default_rng(1)
-    fits = [fit_order(STEPS, 0.5 * STEPS**2 * np.exp(rng.normal(0.0, 0.1, 10))) for _ in range(200)]
+    fits = [fit_order(STEPS, 0.5 * STEPS**2 * np.exp(rng.normal(0.0, 0.1, 10))) for _ in range(1000)]
     assert all(one is not None and one.half > 0.01 for one in fits)
-    assert sum(one is not None and one.within(2.0, 0.0) for one in fits) >= 180
+    assert sum(one is not None and one.within(2.0, 0.0) for one in fits) >= 900
 
 
 @pytest.mark.parametrize("errors", [np.full(10, np.inf), np.full(10, np.nan), np.zeros(10), np.full(10, 0.5), np.full(10, 1e-15)])
