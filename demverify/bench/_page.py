@@ -71,9 +71,9 @@ _READINGS = (
     ("Wall time: of the step loop alone, in an engine its own `Loop time`; the median of repeats in which all contenders and steps take turns. "
     "Reading, neighbour lists of the set-up, compilation and the start of a process are in a table of their own."),
     "Each step evaluates all forces once; the discrete gradient sweeps over its contacts until they agree, and its steps count once all the same.",
-    ("Orders: slope of log error over log step. Of the rows of steps that end with the shortest above a floor of rounding, hold half of all, and along "
-    "which a line fits within 40 % (rms), as phases of steps scatter, the one with the narrowest 95 % interval; over all, if none does. For the row is "
-    "chosen, its interval holds the order of made-up errors in 91 of 100 cases."),
+    ("Orders: slope of log error over log step. Of rows of steps that end with the shortest above a floor of rounding, hold half of all, and "
+    "along which a line fits within 40 % (rms), as phases of steps scatter, the one with the narrowest 95 % interval; over all, if none does. As the "
+    "row is chosen, its interval holds the order of made-up errors in 91 of 100 cases."),
     ("The native solver runs with its guard on, which is told to go on whatever it finds. A run that ends in no numbers, or off by more than the "
     "whole, has no point."),
     "Not among the scenes: a free asymmetric top, for only spheres move yet, and a settling bed.",
