@@ -83,9 +83,8 @@ class _Work:
     def native(self, label: str, job: Job, doing: str, **more: Any) -> Run:
         """A run of the native engine. doing: what is shown meanwhile; more: settings of NativeBackend."""
         s = self.settings
-        return execute(
-            "native", label, job, self.watch(doing), keep=True, budget=s.thorough, on_instability=s.on_instability, warn=s.warn, **more
-        )
+        more |= {"budget": s.thorough, "on_instability": s.on_instability, "warn": s.warn}
+        return execute("native", label, job, self.watch(doing), keep=True, **more)
 
 
 def find_case(target: Path, out: Path, variables: Mapping[str, list[str]]) -> tuple[Case, tuple[tuple[str, str, str], ...]]:

@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, field
-from math import isfinite
 from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
+from demverify.engines._native_run import TRAJECTORY, OpenDump, Run, normalised
 from demverify.engines.base import Found, Job, Missing, Outcome, Progress
 from demverify.errors import InputError
 
@@ -20,15 +20,9 @@ if TYPE_CHECKING:
     from demsolver.guard import OnInstability
     from demsolver.memories import Memories
     from demverify.deck.restart import Restart
-    from demverify.deck.setup import DumpSpec, Setup
-    from demverify.formats.columns import Snapshot
-    from demverify.formats.dump import DumpWriter
+    from demverify.deck.setup import Setup
     from demverify.frames import Frame
 
-TRAJECTORY = [
-    "id", "type", "x", "y", "z", "ix", "iy", "iz", "vx", "vy", "vz", "fx", "fy", "fz",
-    "omegax", "omegay", "omegaz", "tqx", "tqy", "tqz", "radius", "mass",
-]  # fmt: skip
 PATIENCE_S = 0.5  # between two signs of life
 
 
@@ -41,15 +35,6 @@ class Outputs:
     steps: int = 0
     particle_steps: int = 0
     loop_s: float = 0.0
-
-
-@dataclass
-class _OpenDump:
-    """A dump of the deck and its files. last: the step of its last frame, -1 before the first."""
-
-    spec: DumpSpec
-    writer: DumpWriter
-    last: int = -1
 
 
 class NativeBackend:
@@ -93,7 +78,7 @@ class NativeBackend:
         self._simulation: Simulation | None = None
         self._setup: Setup | None = None
         self._files = ExitStack()
-        self._dumps: dict[str, _OpenDump] = {}
+        self._dumps: dict[str, OpenDump] = {}
         self._log: Any = None
         self._thermo: list[tuple[tuple[str, ...], list[list[float]]]] = []
         self._checks = StepChecks()
@@ -152,7 +137,7 @@ class NativeBackend:
         """One `run` command."""
         steps = steps if self._most is None else min(steps, self._most - self.outputs.steps)
         simulation, self._setup = self._prepare(setup), setup
-        run = _Run(self, setup, simulation, steps)
+        run = Run(self, setup, simulation, steps)
         simulation.setup()  # compiles the loop too, the first time
         if self._watch:
             self._watch.look(simulation)
@@ -238,7 +223,7 @@ class NativeBackend:
             raise InputError(message) from error
         return Sleep(speed)
 
-    def _advance(self, simulation: Simulation, run: _Run) -> None:
+    def _advance(self, simulation: Simulation, run: Run) -> None:
         """To the next output, in portions short enough to show progress."""
         goal = run.next_output()
         while simulation.step < goal:
@@ -248,130 +233,6 @@ class NativeBackend:
             run.portion = max(1, run.portion if steps < run.portion and spent < PATIENCE_S else int(steps * min(8.0, PATIENCE_S / max(spent, 1e-6))))
             if self._progress:
                 self._progress(simulation.step - run.start, run.steps)
-
-
-class _Run:
-    """The output of one `run`: which steps, and what is written at them."""
-
-    def __init__(self, backend: NativeBackend, setup: Setup, simulation: Simulation, steps: int) -> None:
-        from demverify.engines._outputs import keywords_of
-        from demverify.engines._thermo import Meter
-        from demverify.formats.thermo import ThermoTable, thermo_formats
-
-        self.backend, self.setup, self.simulation, self.steps = backend, setup, simulation, steps
-        self.start, self.end = setup.step, setup.step + steps
-        self.portion = 1  # steps that may be done before the next sign of life
-        self.meter = Meter(setup, simulation, self.start, perf_counter(), backend._checks)
-        self.table = ThermoTable(keywords_of(setup), setup.dialect, thermo_formats(setup.thermo), setup.thermo.place)
-        self._head = self.table.header()
-        self._open_dumps()
-        if not backend._thermo or backend._thermo[-1][0] != self.table.titles:
-            backend._thermo.append((self.table.titles, []))
-
-    def next_output(self) -> int:
-        """The next step at which anything is written, or the end."""
-        rhythms = [self.setup.thermo.every, self.backend._every or 0, *(dump.every for dump in self.setup.dumps.values())]
-        now = self.simulation.step
-        checks = self.backend._checks.next(self.setup, now, self.end)
-        return min([self.end, checks, *(now - now % every + every for every in rhythms if every > 0)])
-
-    def output(self) -> None:
-        """Writes what is due at this step, whatever interrupts."""
-        from demverify.formats.atomic import undisturbed
-
-        step, thermo = self.simulation.step, self.setup.thermo
-        self._bring_back()
-        if step > self.start:
-            self.backend._checks.update(self.setup, self.simulation)
-        with undisturbed():
-            if step in (self.start, self.end) or (thermo.every and step % thermo.every == 0):
-                self._write_thermo()
-            for dump in self.backend._dumps.values():
-                self._write_dump(dump, step)
-            self._write_frame(step)
-
-    def _write_thermo(self) -> None:
-        from demsolver import Unstable
-
-        norm = normalised(self.setup)
-        values = [self.meter.value(keyword, normalise=norm) for keyword in self.table.keywords]
-        for keyword, value in zip(self.table.keywords, values, strict=True):
-            if not isfinite(value):
-                message = f"thermo column {keyword} became infinite by step {self.simulation.step}"
-                raise Unstable(message)
-        self.backend.say(self._head + self.table.row(values))
-        self._head = ""
-        rows = self.backend._thermo[-1][1]
-        if not (rows and "Step" in self.table.titles and rows[-1][self.table.titles.index("Step")] == self.simulation.step):
-            rows.append(values)
-
-    def _open_dumps(self) -> None:
-        """Closes dumps that the deck ended (its file is whole then), and opens new ones."""
-        from demverify.formats.dump import DumpWriter
-
-        known = self.backend._dumps
-        for name in [name for name, dump in known.items() if self.setup.dumps.get(name) is not dump.spec]:
-            known.pop(name).writer.__exit__(None, None, None)
-        for name, spec in self.setup.dumps.items():
-            if name not in known:
-                writer = self.backend._files.enter_context(DumpWriter(spec, self.setup.dialect, self.backend._folder))
-                known[name] = _OpenDump(spec, writer)
-
-    def _write_dump(self, dump: _OpenDump, step: int) -> None:
-        from demverify.formats.columns import snapshot_frame
-
-        spec = dump.spec
-        if step != dump.last and (step % spec.every == 0 or (spec.first and dump.last < 0)):
-            dump.writer.write(snapshot_frame(self._snapshot(spec.group), spec.columns, spec.place))
-            dump.last = step
-
-    def _write_frame(self, step: int) -> None:
-        from demverify.formats.columns import snapshot_frame
-
-        backend, every = self.backend, self.backend._every
-        last = step == self.end and not backend._keep  # the engines' dumps, which kept frames are compared with, leave it out
-        if every is None or step == backend._last_frame or not (step % every == 0 or last):
-            return
-        backend._last_frame = step
-        frame = snapshot_frame(self._snapshot("all"), TRAJECTORY)
-        backend._trajectory.write(frame, self.setup.time)
-        if backend._keep:
-            backend.outputs.frames.append(frame)
-        if backend._budget:
-            backend.outputs.budgets.append((step, self.setup.time, self.simulation.energy_budget()))
-
-    def _bring_back(self) -> None:
-        """The deck sees the particles, the box and the time of the simulation."""
-        from demverify.deck.setup import Atoms
-
-        setup, simulation, p = self.setup, self.simulation, self.meter.particles
-        assert setup.atoms is not None
-        molecule = setup.atoms.molecule
-        if len(p.id) < len(setup.atoms.id):
-            molecule = molecule[np.isin(setup.atoms.id, p.id)]
-        setup.atoms = Atoms(p.id, p.type, p.x, p.v, p.omega, p.radius, p.mass, p.mask, p.image, molecule)
-        setup.box = simulation.box()
-        setup.time += (simulation.step - setup.step) * setup.dt
-        setup.step = simulation.step
-
-    def _snapshot(self, group: str) -> Snapshot:
-        from demsolver.scene import Particles
-        from demsolver.state import selected
-        from demverify.formats.columns import Snapshot
-
-        sim, atoms = self.simulation, self.setup.atoms
-        assert atoms is not None
-        p, molecule = self.meter.particles, atoms.molecule
-        chosen = selected(p.mask, self.setup.groups[group])
-        if not chosen.all():
-            p, molecule = Particles(*(getattr(p, f)[chosen] for f in Particles.__dataclass_fields__)), molecule[chosen]
-        force, torque = sim.forces()
-        return Snapshot(sim.step, sim.box(), p, force[chosen], torque[chosen], molecule, self.setup.dimension)
-
-
-def normalised(setup: Setup) -> bool:
-    """Whether extensive thermo values are per particle: thermo_modify norm, by default yes for lj units only."""
-    return setup.thermo.modify.get("norm", "yes" if setup.units == "lj" else "no") == "yes"
 
 
 class Native:

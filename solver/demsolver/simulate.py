@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, Literal
+from typing import Literal
 from warnings import warn
 
 import numpy as np
@@ -14,16 +14,16 @@ from demsolver.bind_law import memory_signs
 from demsolver.bind_scene import field_arrays, pair_coefficients, wall_arrays
 from demsolver.bind_walls import PLACE
 from demsolver.check import check_scene
-from demsolver.energy_budget import EnergyBudget
-from demsolver.guard import Good, Guard, OnInstability
-from demsolver.listed import Listed, listed, without
+from demsolver.guard import Guard, OnInstability
+from demsolver.listed import without
 from demsolver.memories import Memories
 from demsolver.near import START_LEEWAY, near_of
 from demsolver.neighbor_grid import bounds_of
-from demsolver.scene import Box, Gravity, Particles, Plane, Scene
+from demsolver.observe import ACCOUNT, TALLIES, Observed
+from demsolver.scene import Plane, Scene
 from demsolver.sleep import Sleep, Sleepers, check_sleep
 from demsolver.specialise import BUDGET_COLUMNS, CHUNK, features, specialise
-from demsolver.state import Bodies, Floats, Ints, Pairs, bodies_of, flat_of, inertias, movers_first, outside, selected
+from demsolver.state import Bodies, Floats, Ints, Pairs, bodies_of, flat_of, movers_first
 from demsolver.threads import use_threads
 from demsolver.trouble import LostParticles, Unstable, check_finite, check_flight, refused
 
@@ -35,12 +35,11 @@ BEGIN, MIDDLE, SETUP = 0, 1, 2  # where kernel.run_steps starts
 DUE, TOO_FAST, TOO_DEEP = 1, 2, 3  # why it ends before its steps are done
 UNGUARDED = np.array([np.inf, 0.0, 0.0, 0.0, 1.0, 0.0])
 
-ACCOUNT, TALLIES = 6, 7  # columns of a tally that are the account of energy, and all: see kernel_contact.py
 
 Precision = Literal["double", "mixed"]
 
 
-class Simulation:
+class Simulation(Observed):
     """A scene in motion.
 
     `setup()` computes the forces of the current state with full-step velocities and leaves histories alone, as the engines do at
@@ -94,35 +93,6 @@ class Simulation:
         self._age = self._lists = 0
         self._margin = 1e-4 * (self.box_hi - self.box_lo) if scene.box.margin is None else scene.box.margin
 
-    @property
-    def bodies(self) -> Bodies:
-        """The arrays of the particles in the scene's order, as they are now: copies."""
-        shown = Bodies(*(outside(array, self._order) for array in self._bodies))
-        shown.force[self.asleep], shown.torque[self.asleep[: len(shown.torque)]] = 0.0, 0.0
-        if self._has.ROTATES:
-            return shown
-        return shown._replace(omega=self._still.copy(), torque=np.zeros_like(shown.force))
-
-    @property
-    def pairs(self) -> Listed:
-        """The neighbour list in the scene's numbers: a copy."""
-        return listed(self._pairs, self._order)
-
-    @property
-    def image(self) -> Ints:
-        """(n, 3) periodic wraps, in the scene's order."""
-        return outside(self._image, self._order).astype(np.int64)
-
-    @property
-    def asleep(self) -> NDArray[np.bool_]:
-        """(n,) who sleeps, in the scene's order: their forces count as zero."""
-        return outside(self._sleepers.asleep, self._order) if self._sleepers else np.zeros(len(self.id), dtype=bool)
-
-    @property
-    def threads(self) -> int:
-        """How many share the work."""
-        return self._threads
-
     def setup(self) -> None:
         """Wraps, rebuilds the list, and computes forces with the velocities as they are, without growing any history."""
         self._relist()
@@ -170,109 +140,10 @@ class Simulation:
         if self._guard:
             self._guard.look(self, now=True)
 
-    def here(self) -> Good:
-        """What moves, as it is now: copies."""
-        b = self._bodies
-        omega = b.omega.copy() if self._has.ROTATES else self._still[self._order]
-        return Good(self.step, self.id[self._order], b.x.copy(), b.v.copy(), omega, self._image.copy(), self.box_lo.copy(), self.box_hi.copy())
-
     def _look(self) -> None:
         check_finite(self._bodies, self.step, self.scene)
         if self._guard:
             self._guard.look(self)
-
-    @property
-    def deep(self) -> bool:
-        """Whether the loop has met a contact that is too deep; kept where a guard is."""
-        return bool(self._tallies[:, ACCOUNT].any())
-
-    @property
-    def touches(self) -> bool:
-        """Whether anything touches anything."""
-        return bool((self._pairs.touching & 1).any()) or any(wall[-1].any() for wall in self._walls)
-
-    @property
-    def last_good(self) -> Good | None:
-        """The last state that the guard found well; None without a guard, or before its first look."""
-        return self._guard.good if self._guard else None
-
-    def energy_budget(self) -> EnergyBudget:
-        """The account of energy now; needs budget=True."""
-        if not self._budget:
-            message = "the energy budget was not kept: make the Simulation with budget=True"
-            raise ValueError(message)
-        spent = -self._account()
-        (kinetic, rotational), (normal, tangential, rolling) = self._kinetic(), self._stored()
-        return EnergyBudget(
-            kinetic=kinetic,
-            rotational=rotational,
-            elastic_normal=normal,
-            elastic_tangential=tangential,
-            elastic_rolling=rolling,
-            gravitational=float(self._heights().sum()),
-            damped=float(spent[0]),
-            rubbed=float(spent[1]) - tangential,
-            rolled=float(spent[4]) - rolling,
-            dragged=float(spent[2]),
-            driven=-float(spent[5]),
-        )
-
-    def visible_energy(self) -> tuple[float, float, float]:
-        """Kinetic energy with that of the spins; potential energy of gravity; the sum of the magnitudes that the latter is made of."""
-        heights = self._heights()
-        return sum(self._kinetic()), float(heights.sum()), float(np.abs(heights).sum())
-
-    def farthest(self) -> float:
-        """The largest coordinate in size; 0 when nobody is there."""
-        return float(np.abs(bounds_of(self._bodies.x)).max()) if len(self.id) else 0.0
-
-    def elastic_energy(self) -> float:
-        """Of all contacts."""
-        return sum(self._stored())
-
-    def _account(self) -> Floats:
-        account: Floats = self._tallies[:, :ACCOUNT].sum(axis=0)
-        return account
-
-    def _kinetic(self) -> tuple[float, float]:
-        """Of translation and rotation."""
-        b = self._bodies
-        omega = b.omega if self._has.ROTATES else self._still[self._order]
-        inertia = inertias(self.scene, b.mask, b.mass, b.radius)
-        return 0.5 * float(np.einsum("i,ic,ic", b.mass, b.v, b.v)), 0.5 * float(np.einsum("i,ic,ic", inertia, omega, omega))
-
-    def _stored(self) -> tuple[float, float, float]:
-        normal, tangential, rolling = self._kernel.stored(
-            self._bodies, self._pairs, self._shifts(), self._coefficients, self.scene.ntypes, self._flat_walls(), self.scene.timestep
-        )
-        return normal, tangential, rolling
-
-    def pair_virial(self) -> float:
-        """Sum of r.F over the pairs at the last force evaluation; needs virial=True."""
-        if not self.virial:
-            message = "the virial was not kept: make the Simulation with virial=True"
-            raise ValueError(message)
-        return float(self._tallies[:, 3].sum())
-
-    def particles(self) -> Particles:
-        """The particles as they are now: copies."""
-        b, order = self._bodies, self._order
-        omega = outside(b.omega, order) if self._has.ROTATES else self._still.copy()
-        return Particles(
-            id=self.id.copy(), type=outside(b.kind, order) + 1, x=outside(b.x, order), v=outside(b.v, order), omega=omega,
-            radius=outside(b.radius, order), mass=outside(b.mass, order), mask=outside(b.mask, order), image=self.image,
-        )  # fmt: skip
-
-    def forces(self) -> tuple[Floats, Floats]:
-        """Forces and torques (n, 3) as they are now: copies."""
-        force = outside(self._bodies.force, self._order)
-        torque = outside(self._bodies.torque, self._order) if self._has.ROTATES else np.zeros_like(force)
-        force[self.asleep], torque[self.asleep] = 0.0, 0.0
-        return force, torque
-
-    def box(self) -> Box:
-        """The box as it is now: shrink-wrapped faces follow the particles at every list rebuild."""
-        return Box(self.box_lo.copy(), self.box_hi.copy(), self.scene.box.boundary, self._margin)
 
     def continue_with(self, scene: Scene, *, virial: bool | None = None) -> Simulation:
         """The next run of a deck: `scene` holds changed settings and the present particles; contact histories go on where the same
@@ -341,13 +212,6 @@ class Simulation:
     def _rhythm(self) -> tuple[int, int, bool, float]:
         n = self.scene.neighbor
         return n.every, n.delay, n.check, (0.5 * n.skin) ** 2
-
-    def _flat_walls(self) -> tuple[Any, ...]:
-        return tuple(array for wall in self._walls for array in wall)
-
-    def _shifts(self) -> Floats:
-        shifts: Floats = neighbors.SHIFTS * (self.box_hi - self.box_lo)
-        return shifts
 
     def _run(self, start: int, steps: int) -> tuple[int, int]:
         use_threads(self._threads)
@@ -477,13 +341,3 @@ class Simulation:
         self._order = (np.cumsum(stays) - 1)[self._order]
         self._movers = int(self._bodies.moving.sum())
         self._allot(pairs)
-
-    def _heights(self) -> Floats:
-        """Potential energy of gravity of each row that it can move."""
-        b = self._bodies
-        unwrapped = b.x + self._image * (self.box_hi - self.box_lo)
-        heights = np.zeros(len(b.x))
-        for field in self.scene.forces:
-            if isinstance(field, Gravity):
-                heights -= np.where(selected(b.mask, field.bit) & b.moving & ~b.frozen, b.mass * (unwrapped @ np.array(field.acceleration)), 0.0)
-        return heights
