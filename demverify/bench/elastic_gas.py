@@ -84,7 +84,8 @@ def problems(quick: bool) -> tuple[Problem, ...]:
     if not quick:
         hertz = (Contender(VERLET, 0, orders={"energy": 2.0}), Contender(EULER, 1, change=euler, orders={"energy": 1.0}))
         found.append(_problem("hertz", "Hertz", shares, (*hertz, *engines({"energy": 2.0}))))
-        large = _problem("hooke", "Linear spring, 1,600 spheres, native", shares, _modes())
+        few = tuple(1.0 / (n + 0.5) for n in (1, 2, 3, 4, 6, 8, 12, 16))
+        large = _problem("hooke", "Linear spring, 1,600 spheres, native", few, _modes())
         measure = replace(large.measures[0], error=partial(error_of_copies, model="hooke"))
         found.append(replace(large, measures=(measure,)))
     return tuple(found)
