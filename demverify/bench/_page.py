@@ -166,7 +166,7 @@ def _front_claim(judged: Judged, row: Row) -> Claim:
 def _figures(judged: Judged) -> tuple[Figure, ...]:
     seconds = [row.seconds for row in judged.rows]
     steps = [1.0 / row.steps for row in judged.rows]
-    stem = f"{judged.problem.scene}-{judged.problem.name}-{judged.measure.short}".replace(" ", "-").lower()
+    stem = f"{judged.problem.scene}-{judged.problem.name}-{judged.measure.short}".replace(",", "").replace(" ", "-").lower()
     return (
         Figure(f"{stem}-time", "Error over wall time for a simulated second. A ring: nobody is as good for less time.",
                _picture(judged, seconds, "wall time [s] per simulated second")),
