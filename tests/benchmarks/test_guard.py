@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from tests.support.steps import linear, on_floor
-
 from benchmarks.guard import LIMIT, Cost, cost_of
+from demverify.stability.held import linear, on_floor
 
 COST = Cost("ball", 1, 1000, (1.01, 1.0, 1.02, 1.01), (1.0, 1.0, 1.0, 1.0), same=True)
 
