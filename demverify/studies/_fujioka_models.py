@@ -87,7 +87,7 @@ def simulation(
         walls=(Wall("floor", Slab(2, lo=level), floor),), forces=(Gravity((0.0, 0.0, -gravity), FREE), Freeze(FROZEN)),
         integrate=(EulerSphere(moved),), neighbor=Neighbor(skin),
     )  # fmt: skip
-    made = Simulation(scene)
+    made = Simulation(scene, on_instability="off")
     made.setup()
     return made
 

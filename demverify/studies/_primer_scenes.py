@@ -94,7 +94,7 @@ def started(what: Scene, *, budget: bool = False) -> Simulation:
     """The scene, set up."""
     from demsolver import Simulation
 
-    simulation = Simulation(what, budget=budget)
+    simulation = Simulation(what, budget=budget, on_instability="off")
     simulation.setup()
     return simulation
 

@@ -157,7 +157,7 @@ def follow(way: Way, step: float, scene_of: Callable[[Way], Scene], steps: int, 
     from demsolver import LostParticles, Simulation, Unstable
 
     told(f"{way.name}, step {step:g}")
-    simulation = Simulation(replace(scene_of(way), timestep=step * contact_time()), budget=True)
+    simulation = Simulation(replace(scene_of(way), timestep=step * contact_time()), budget=True, on_instability="off")
     simulation.setup()
     first, every = simulation.energy_budget(), max(1, steps // 100)
     marks = np.arange(0, steps + 1, every, dtype=float)

@@ -196,7 +196,8 @@ class Guard:
             return
         lively = kinetic + (simulation.elastic_energy() if simulation.touches else 0.0)
         (step, before), grown = self._before, lively + potential - self._floor
-        limit = GROWTH * self._scale + ROUNDING * (weight + lively)
+        # What gravity has given since counts as energy that there was.
+        limit = GROWTH * max(self._scale, lively - grown) + ROUNDING * (weight + lively)
         self._total = lively + potential
         self._before, self._floor, self._scale = (simulation.step, lively), min(self._floor, self._total), max(FORGETS * self._scale, lively)
         if grown > limit:

@@ -191,6 +191,15 @@ def sweep(mode, b, flat, movers, p, near, shifts, equal, coefficients, ntypes, w
     return jump
 
 
+@inlined
+def deep_contacts(tallies):
+    """How many contacts were too deep since the guard last looked."""
+    found = 0.0
+    for c in range(tallies.shape[0]):
+        found += tallies[c, 6]
+    return found
+
+
 @entry
 def run_steps(start, steps, age, rhythm, b, flat, movers, p, near, shifts, equal, coefficients, ntypes, walls, fields, dt, tallies, paces, guard):
     """Runs until `steps` are done; returns (steps done, age of the list, 0 or why it stopped before: DUE, the list in mid-step; TOO_FAST, TOO_DEEP).
@@ -213,7 +222,7 @@ def run_steps(start, steps, age, rhythm, b, flat, movers, p, near, shifts, equal
     if start != 0:
         near.scale[1] = 0.0
     fastest = top_speed(movers, b)
-    haste = most_haste(movers, b, guard) if GUARD else 0.0
+    haste, hasten = (most_haste(movers, b, guard), 1.0 / guard[4]) if GUARD else (0.0, 0.0)
     while done < steps or start == 2:
         if start == 0:
             if MOVING:
@@ -242,12 +251,12 @@ def run_steps(start, steps, age, rhythm, b, flat, movers, p, near, shifts, equal
         done += 1
         start = 0
         if GUARD:
-            haste += sqrt(jump) / guard[4]  # a bound, as for the list
+            haste += sqrt(jump) * hasten  # a bound, as for the list
             if haste > guard[0]:
                 haste = most_haste(movers, b, guard)
-            trouble = TOO_FAST if haste > guard[0] else (TOO_DEEP if guard[5] != 0.0 and tallies[:, 6].any() else 0)
-            if trouble != 0 and done == steps:
-                due = trouble
-            elif trouble != 0:
-                steps = done + 1  # the particles are on their way: this step is done too
+            if haste > guard[0] or (guard[5] != 0.0 and deep_contacts(tallies) > 0.0):
+                if done == steps:
+                    due = TOO_FAST if haste > guard[0] else TOO_DEEP
+                else:
+                    steps = done + 1  # the particles are on their way: this step is done too
     return done, age, due

@@ -28,7 +28,7 @@ def oscillator(dt: float, x: float, v: float, *, euler: bool = True, damping: fl
 
 def started(scene: Scene, steps: int = 0) -> Simulation:
     """A simulation that has run."""
-    simulation = Simulation(scene)
+    simulation = Simulation(scene, on_instability="off")
     simulation.setup()
     simulation.advance(steps)
     return simulation
@@ -134,4 +134,4 @@ def test_two_integrators_are_refused() -> None:
     """Law: one scene has one integrator; the message names both."""
     scene = replace(oscillator(1e-5, 0.0, 0.0), integrate=(NveSphere(), EulerSphere()))
     with pytest.raises(ValueError, match="one scene has one integrator, not EulerSphere and NveSphere"):
-        Simulation(scene)
+        Simulation(scene, on_instability="off")

@@ -31,7 +31,7 @@ def plain(scene: Scene, simulation: Simulation, advance: bool = False):
 def test_forces_equal_the_plain_sum(seed: int, periodic: bool) -> None:
     """Law: the compiled loop with its neighbour list gives the sum over all pairs and walls, box periodic or not."""
     scene = cluster(np.random.default_rng(seed), periodic=periodic)
-    simulation = Simulation(scene)
+    simulation = Simulation(scene, on_instability="off")
     simulation.setup()
     force, torque = plain(scene, simulation)
     assert np.abs(simulation.bodies.force - force).max() <= ROUNDING * np.abs(force).max()
@@ -41,7 +41,7 @@ def test_forces_equal_the_plain_sum(seed: int, periodic: bool) -> None:
 def test_a_trajectory_equals_the_plain_integration() -> None:
     """Law: 50 steps of velocity Verlet written out in numpy, history and all, end where the compiled loop ends."""
     scene = cluster(np.random.default_rng(5), periodic=False)
-    simulation = Simulation(scene)
+    simulation = Simulation(scene, on_instability="off")
     simulation.setup()
     simulation.advance(50)
     p, dt, history = scene.particles, scene.timestep, {}
@@ -62,7 +62,7 @@ def test_a_trajectory_equals_the_plain_integration() -> None:
 
 def test_where_a_run_is_cut_does_not_matter() -> None:
     """Law: advance(30) is advance(7), advance(23), bit for bit: outputs between steps cost no accuracy."""
-    whole, parts = (Simulation(cluster(np.random.default_rng(3))) for _ in range(2))
+    whole, parts = (Simulation(cluster(np.random.default_rng(3)), on_instability="off") for _ in range(2))
     whole.setup()
     parts.setup()
     whole.advance(30)
@@ -76,8 +76,8 @@ def test_where_a_run_is_cut_does_not_matter() -> None:
 def test_the_skin_changes_no_force(skin: float) -> None:
     """Law: how often the list is rebuilt (every step, or never) does not show in a law whose history ends with the contact."""
     scene = cluster(np.random.default_rng(11))
-    wide = Simulation(replace(scene, neighbor=Neighbor(2e-3)))
-    other = Simulation(replace(scene, neighbor=Neighbor(skin)))
+    wide = Simulation(replace(scene, neighbor=Neighbor(2e-3)), on_instability="off")
+    other = Simulation(replace(scene, neighbor=Neighbor(skin)), on_instability="off")
     for simulation in (wide, other):
         simulation.setup()
         simulation.advance(60)
@@ -90,7 +90,7 @@ def test_contacts_keep_momentum_and_angular_momentum() -> None:
     base = cluster(np.random.default_rng(21), periodic=False)
     contact = replace(law((1, 1)), surface_arm="contact", torque_arm="contact")
     scene = replace(base, walls=(), forces=(), pair=contact)
-    simulation = Simulation(scene)
+    simulation = Simulation(scene, on_instability="off")
     simulation.setup()
     p, inertia = scene.particles, inertia_of(scene)
     start = momentum(p.mass, p.v), angular_momentum(p.mass, p.x, p.v, inertia, p.omega)
@@ -106,7 +106,7 @@ def test_gravity_alone_is_exact() -> None:
     p = spheres(np.array([[0.0, 0.0, 10.0]]), np.array([0.01]), v=np.array([[1.0, 0.0, 0.0]]))
     scene = Scene(bed(1e-3).box, p, 1, 1e-3, forces=(Gravity((0.0, 0.0, -9.81)),), integrate=(NveSphere(),), lost="ignore")
     scene = replace(scene, box=replace(scene.box, hi=np.array([10.0, 10.0, 20.0])))
-    simulation = Simulation(scene)
+    simulation = Simulation(scene, on_instability="off")
     simulation.setup()
     simulation.advance(1000)
     assert simulation.bodies.x[0] == pytest.approx([1.0, 0.0, 10.0 - 9.81 / 2], rel=1e-12)
@@ -118,7 +118,7 @@ def test_fields_act_in_their_order() -> None:
     x = np.array([[0.02 * k + 0.01, 0.05, 0.05] for k in range(n)])
     p = replace(spheres(x, np.full(n, 0.005), v=np.full((n, 3), 2.0)), mask=np.array([1 | 2, 1 | 4, 1 | 8, 1]))
     fields = (Gravity((0.0, 0.0, -9.81)), SetForce((1.0, None, None), 1), Freeze(2), Viscous(np.array([0.5]), 3), Enforce2D(1))
-    simulation = Simulation(Scene(bed(1e-5).box, p, 1, 1e-5, forces=fields, integrate=(NveSphere(),)))
+    simulation = Simulation(Scene(bed(1e-5).box, p, 1, 1e-5, forces=fields, integrate=(NveSphere(),)), on_instability="off")
     simulation.setup()
     f, mg = simulation.bodies.force, 9.81 * p.mass[0]
     assert f[0] == pytest.approx([1.0, 0.0, 0.0])
@@ -131,11 +131,11 @@ def test_lost_particles_stop_the_run_or_go() -> None:
     """Law: what leaves through a fixed face is an error; with lost ignore it is gone and the others go on."""
     p = spheres(np.array([[0.05, 0.05, 0.01], [0.05, 0.05, 0.05]]), np.full(2, 0.004), v=np.array([[0, 0, -5.0], [0, 0, 0]]))
     scene = Scene(bed(1e-4).box, p, 1, 1e-4, integrate=(NveSphere(),), neighbor=Neighbor(0.001))
-    simulation = Simulation(scene)
+    simulation = Simulation(scene, on_instability="off")
     simulation.setup()
     with pytest.raises(LostParticles, match=r"1 particles left the box by step 1\d, the first with id 1"):
         simulation.advance(100)
-    careless = Simulation(replace(scene, lost="ignore"))
+    careless = Simulation(replace(scene, lost="ignore"), on_instability="off")
     careless.setup()
     careless.advance(100)
     assert careless.id.tolist() == [2]
@@ -145,7 +145,9 @@ def test_an_unstable_step_is_an_error() -> None:
     """Law: numbers that leave the range of floats end in Unstable, never in NaN that goes on."""
     stiff = law((1, 1), kn=1e300)
     p = spheres(np.array([[0.05, 0.05, 0.05], [0.052, 0.05, 0.05]]), np.full(2, 0.004))
-    simulation = Simulation(Scene(bed(1.0).box, p, 1, 1.0, pair=stiff, integrate=(NveSphere(),), neighbor=Neighbor(0.001), lost="ignore"))
+    simulation = Simulation(
+        Scene(bed(1.0).box, p, 1, 1.0, pair=stiff, integrate=(NveSphere(),), neighbor=Neighbor(0.001), lost="ignore"), on_instability="off"
+    )
     simulation.setup()
     with pytest.raises(Unstable, match="the timestep 1 is too long"):
         simulation.advance(200)
@@ -157,7 +159,7 @@ def test_particles_far_away_cost_nothing() -> None:
     x = scene.particles.x.copy()
     x[3] = 5e10
     away = replace(scene, particles=replace(scene.particles, x=x), box=replace(scene.box, boundary=("mm", "mm", "mm")))
-    simulation = Simulation(away)
+    simulation = Simulation(away, on_instability="off")
     simulation.setup()
     i, j = np.triu_indices(len(x), 1)
     reach = scene.particles.radius[i] + scene.particles.radius[j] + scene.neighbor.skin

@@ -29,7 +29,7 @@ def scene_with(names: dict[str, str], seed: int, *, periodic: bool = True) -> Sc
 
 
 def begun(scene: Scene, steps: int = 20, **settings: object) -> Simulation:
-    simulation = Simulation(scene, **settings)
+    simulation = Simulation(scene, **settings, on_instability="off")
     simulation.setup()
     simulation.advance(steps)
     return simulation
@@ -45,7 +45,7 @@ def state(simulation: Simulation) -> list[np.ndarray]:
 def both_ways(first: Simulation, steps: int = 20) -> tuple[Simulation, Simulation]:
     """The simulation continued, and a new one that recalls its memories; each set up and run on."""
     scene = replace(first.scene, particles=first.particles(), box=first.box())
-    again = Simulation(scene)
+    again = Simulation(scene, on_instability="off")
     again.recall(first.memories())
     again.step = first.step
     on = first.continue_with(scene)
@@ -71,7 +71,7 @@ def test_any_state_can_be_recalled(seed: int, steps: int, name: str) -> None:
     """Law: the same, of any state; and what is taken out again at once is what was put in."""
     first = begun(scene_with(LAWS[name], seed), steps)
     found = first.memories()
-    fresh = Simulation(replace(first.scene, particles=first.particles(), box=first.box()))
+    fresh = Simulation(replace(first.scene, particles=first.particles(), box=first.box()), on_instability="off")
     fresh.recall(found)
     for a, b in zip(vars(found).values(), vars(fresh.memories()).values(), strict=True):
         assert isinstance(a, dict | tuple) or np.array_equal(a, b)
@@ -84,7 +84,7 @@ def test_the_order_of_particles_does_not_matter_to_what_is_remembered() -> None:
     first = begun(scene_with(LAWS["rolling and twisting"], 5))
     p = first.particles()
     backwards = type(p)(*(getattr(p, name)[::-1].copy() for name in p.__dataclass_fields__))
-    other = Simulation(replace(first.scene, particles=backwards, box=first.box()))
+    other = Simulation(replace(first.scene, particles=backwards, box=first.box()), on_instability="off")
     found = first.memories()
     other.recall(replace(found, rows=found.rows[::-1].copy()))
     other.step = first.step
@@ -93,7 +93,7 @@ def test_the_order_of_particles_does_not_matter_to_what_is_remembered() -> None:
     other.advance(20)
     moved = np.abs(on.particles().x - p.x).max()
     assert np.abs(other.particles().x[::-1] - on.particles().x).max() < 1e-10 * moved
-    without = Simulation(replace(first.scene, particles=p, box=first.box()))
+    without = Simulation(replace(first.scene, particles=p, box=first.box()), on_instability="off")
     without.setup()
     without.advance(20)
     assert np.abs(without.particles().x - on.particles().x).max() > 1e-7 * moved
@@ -105,7 +105,7 @@ def test_particles_that_are_gone_take_their_memories_along() -> None:
     p = first.particles()
     keep = np.arange(len(p.id)) % 3 > 0
     fewer = type(p)(*(getattr(p, name)[keep] for name in p.__dataclass_fields__))
-    other = Simulation(replace(first.scene, particles=fewer, box=first.box()))
+    other = Simulation(replace(first.scene, particles=fewer, box=first.box()), on_instability="off")
     other.recall(first.memories())
     was, now = first.memories(), other.memories()
     stays = np.isin(was.i, fewer.id) & np.isin(was.j, fewer.id)
@@ -121,7 +121,7 @@ def test_walls_are_known_by_name() -> None:
     """Law: a wall of another name starts without memory."""
     first = begun(scene_with(LAWS["rotated"], 3))
     scene = replace(first.scene, particles=first.particles(), walls=(replace(first.scene.walls[0], name="other"),))
-    other = Simulation(scene)
+    other = Simulation(scene, on_instability="off")
     other.recall(first.memories())
     assert np.abs(first.memories().walls["slab"].memory).max() > 0.0
     assert not other.memories().walls["other"].memory.any()
@@ -130,7 +130,7 @@ def test_walls_are_known_by_name() -> None:
 def test_the_energy_account_goes_on() -> None:
     """Law: what was dissipated before counts afterwards; the total is that of the continued run."""
     first = begun(scene_with(LAWS["rotated"] | {"damping": "mass_velocity"}, 4), budget=True)
-    again = Simulation(replace(first.scene, particles=first.particles(), box=first.box()), budget=True)
+    again = Simulation(replace(first.scene, particles=first.particles(), box=first.box()), budget=True, on_instability="off")
     again.recall(first.memories())
     on = first.continue_with(again.scene)
     for one in (on, again):
@@ -146,7 +146,7 @@ def test_memory_of_another_law_is_refused(where: str) -> None:
     first = begun(scene_with(LAWS["rolling and twisting"], 1))
     changed = {"pair": contact_law()} if where == "pairs" else {"walls": (Wall("slab", first.scene.walls[0].shape, contact_law((1,))),)}
     with pytest.raises(ValueError, match=f"^{where}: contacts remember friction rotated_history, rolling sds, twisting sds, and cannot go on with"):
-        Simulation(replace(first.scene, **changed)).recall(first.memories())
+        Simulation(replace(first.scene, **changed), on_instability="off").recall(first.memories())
 
 
 def test_those_that_move_may_change_between_runs() -> None:

@@ -37,7 +37,7 @@ def heaps(x: float = 30.0, z: float = 1.0, v: float = 0.0) -> Scene:
 
 def run(scene: Scene, steps: int, **settings: object) -> Simulation:
     """A scene so many steps later."""
-    simulation = Simulation(scene, **settings)  # type: ignore[arg-type]
+    simulation = Simulation(scene, **settings, on_instability="off")  # type: ignore[arg-type]
     simulation.setup()
     simulation.advance(steps)
     return simulation
@@ -133,4 +133,4 @@ def test_off_by_default() -> None:
 def test_what_cannot_sleep_is_refused(change: dict[str, object], settings: dict[str, object], message: str) -> None:
     """Law: who needs every contact in every step is told so in a line."""
     with pytest.raises(ValueError, match=message):
-        Simulation(replace(heaps(), **change), **{"sleep": SLEEP, **settings})  # type: ignore[arg-type]
+        Simulation(replace(heaps(), **change), **{"sleep": SLEEP, **settings}, on_instability="off")  # type: ignore[arg-type]

@@ -27,7 +27,7 @@ def gas(n: int = 60, *, seed: int = 1, size: float = 0.06, speed: float = 1.0, f
 
 def after(scene: Scene, steps: int = 200, **settings: object) -> Particles:
     """The particles of a scene so many steps later."""
-    simulation = Simulation(scene, **settings)  # type: ignore[arg-type]
+    simulation = Simulation(scene, **settings, on_instability="off")  # type: ignore[arg-type]
     simulation.setup()
     simulation.advance(steps)
     return simulation.particles()
@@ -42,7 +42,7 @@ def same(a: Particles, b: Particles) -> bool:
 def test_what_a_scene_lacks_is_not_there() -> None:
     """Law: a frictionless gas of equal spheres has no torques, spins, histories, codes, tables; walls and fields are empty in its loop."""
     scene = gas()
-    simulation = Simulation(scene)
+    simulation = Simulation(scene, on_instability="off")
     simulation.setup()
     b, near = simulation._bodies, simulation._near
     assert (len(b.omega), len(b.torque), len(b.spin), len(b.aside), len(b.kick)) == (0, 0, 0, 0, 1)
@@ -126,7 +126,7 @@ def test_a_frozen_base_is_not_looked_at() -> None:
     ends, scene = [], pile()
     scene.particles.v[scene.particles.mask == 5] = 0.0
     for virial in (False, True):
-        simulation = Simulation(scene, virial=virial)
+        simulation = Simulation(scene, virial=virial, on_instability="off")
         simulation.setup()
         pairs, frozen = simulation.pairs, simulation.bodies.frozen
         assert (frozen[pairs.i] & frozen[pairs.j]).any() == virial
@@ -142,7 +142,7 @@ def test_a_frozen_base_is_not_looked_at() -> None:
 def test_what_frozen_contacts_remember_is_kept() -> None:
     """Law: who is frozen while touching goes on from the same springs when set free, however many lists were made meanwhile."""
     scene = pile()
-    simulation = Simulation(replace(scene, forces=scene.forces[:1], integrate=(NveSphere(),)))
+    simulation = Simulation(replace(scene, forces=scene.forces[:1], integrate=(NveSphere(),)), on_instability="off")
     simulation.setup()
     simulation.advance(60)
     every = replace(scene, particles=simulation.particles(), forces=(Gravity((0.0, 0.0, -9.81)), Freeze(0)), integrate=(NveSphere(),))
@@ -180,7 +180,7 @@ def test_a_scene_of_one_chunk_is_not_shared_out() -> None:
     small, large = pile(CHUNK), pile(CHUNK + 1)
     assert features(small, 2) == features(small, 1)
     assert features(large, 2).THREADED
-    simulation = Simulation(small, threads=2)
+    simulation = Simulation(small, threads=2, on_instability="off")
     assert simulation.threads == 1
     assert simulation.continue_with(large).threads == 2
 
@@ -189,7 +189,7 @@ def test_the_budget_is_the_same_on_threads() -> None:
     """Law: the account of energy has the same bits on two threads."""
     found = []
     for threads in (1, 2):
-        simulation = Simulation(pile(2 * CHUNK + 50), threads=threads, budget=True)
+        simulation = Simulation(pile(2 * CHUNK + 50), threads=threads, budget=True, on_instability="off")
         simulation.setup()
         simulation.advance(60)
         found.append(simulation.energy_budget())
@@ -201,7 +201,7 @@ def test_the_budget_is_the_same_on_threads() -> None:
 def test_the_near_list_misses_no_contact(speed: float, periodic: bool) -> None:
     """Law: pairs left out of the near list could not have touched: one long run is 400 runs of one step, which renew it every time, bit for bit."""
     scene = gas(80, speed=speed, friction="classic_history", periodic=periodic)
-    one = Simulation(scene)
+    one = Simulation(scene, on_instability="off")
     one.setup()
     for _ in range(400):
         one.advance(1)
@@ -215,9 +215,9 @@ def test_outside_the_order_is_the_scenes() -> None:
     n = len(scene.particles.id)
     shuffle = np.random.default_rng(9).permutation(n)
     shuffled = replace(scene, particles=Particles(*(getattr(scene.particles, name)[shuffle] for name in Particles.__dataclass_fields__)))
-    simulation = Simulation(shuffled)
+    simulation = Simulation(shuffled, on_instability="off")
     simulation.setup()
-    first = Simulation(scene)
+    first = Simulation(scene, on_instability="off")
     first.setup()
     assert np.array_equal(simulation.id, scene.particles.id[shuffle])
     scale = np.abs(first.bodies.force).max()  # sums of a few forces in another order
@@ -232,11 +232,11 @@ def test_the_lost_are_named_rightly() -> None:
     v = np.zeros_like(scene.particles.v)
     v[1234] = (0.0, 0.0, 1000.0)
     up = replace(scene, particles=replace(scene.particles, v=v, mask=np.full(len(v), 3)), forces=())
-    simulation = Simulation(up)
+    simulation = Simulation(up, on_instability="off")
     simulation.setup()
     with pytest.raises(LostParticles, match=r"1 particles left the box .* with id 1235$"):
         simulation.advance(100)
-    careless = Simulation(replace(up, lost="ignore"))
+    careless = Simulation(replace(up, lost="ignore"), on_instability="off")
     careless.setup()
     careless.advance(100)
     assert np.array_equal(careless.id, np.delete(scene.particles.id, 1234))
@@ -246,10 +246,10 @@ def test_the_lost_are_named_rightly() -> None:
 def test_a_run_goes_on_where_another_left_off() -> None:
     """Law: a run in two parts with continue_with between is the whole run but for the renewal of lists: contacts keep what they remember."""
     scene = pile()
-    whole = Simulation(scene)
+    whole = Simulation(scene, on_instability="off")
     whole.setup()
     whole.advance(60)
-    part = Simulation(scene)
+    part = Simulation(scene, on_instability="off")
     part.setup()
     part.advance(30)
     rest = part.continue_with(replace(scene, particles=part.particles(), box=part.box()))
@@ -267,7 +267,7 @@ def test_frozen_contacts_keep_what_they_remember() -> None:
     """Law: a contact that is frozen and set free again goes on with the spring that it had stretched."""
     p = spheres(np.array([[0.0, 0.0, 0.0], [1.99 * RADIUS, 0.0, 0.0]]), np.full(2, RADIUS), v=np.array([[0.0, 0.0, 0.0], [0.0, 1e-3, 0.0]]))
     free = replace(gas(2, friction="classic_history"), particles=p)
-    first = Simulation(free)
+    first = Simulation(free, on_instability="off")
     first.setup()
     first.advance(20)
     memory = first.pairs.memory

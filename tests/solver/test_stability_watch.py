@@ -21,7 +21,7 @@ def told(*scenes: Scene) -> list[str]:
     said: list[str] = []
     watch = StepWatch(said.append)
     for scene in scenes:
-        simulation = Simulation(scene)
+        simulation = Simulation(scene, on_instability="off")
         simulation.setup()
         watch.look(simulation)
     return said
@@ -82,7 +82,7 @@ def test_large_packings_are_told_of_by_their_contacts(monkeypatch: pytest.Monkey
 
 def test_a_step_far_below_costs_little() -> None:
     """Law: a look at 1,000 spheres at a tenth of the limit takes less than a second (some 10 ms measured)."""
-    simulation = Simulation(bed(0.1 * PACKING))
+    simulation = Simulation(bed(0.1 * PACKING), on_instability="off")
     simulation.setup()
     watch = StepWatch(print)
     watch.look(simulation)

@@ -81,7 +81,7 @@ def on_walls(name: str, a: Floats, e: Floats, phase: Floats, integrator: EulerSp
     v = np.tile([0.0, 0.0, -u / dt], (n, 1))
     mass = np.linspace(0.5, 2.0, n)
     p = particles(np.arange(1, n + 1), x, v, np.ones(n), mass)
-    return Simulation(scene(name, p, (np.diag(a * mass / dt**2), np.diag(e)), dt, integrator), budget=True)
+    return Simulation(scene(name, p, (np.diag(a * mass / dt**2), np.diag(e)), dt, integrator), budget=True, on_instability="off")
 
 
 def head_on(name: str, a: Floats, e: Floats, phase: Floats, integrator: EulerSphere | NveSphere) -> Simulation:
@@ -94,7 +94,7 @@ def head_on(name: str, a: Floats, e: Floats, phase: Floats, integrator: EulerSph
     v[::2, 0] = u / dt
     p = particles(np.repeat(np.arange(1, n + 1), 2), x, v, np.tile([1.0, 1.5], n), mass.ravel())
     kn = np.diag(a * mass.prod(axis=1) / mass.sum(axis=1) / dt**2)
-    return Simulation(scene(name, p, (kn, np.diag(e)), dt, integrator, floor=-1000.0), budget=True)
+    return Simulation(scene(name, p, (kn, np.diag(e)), dt, integrator, floor=-1000.0), budget=True, on_instability="off")
 
 
 def totals(simulation: Simulation, steps: int) -> Floats:
