@@ -265,7 +265,7 @@ WORDS = [
     ("run in.lammps --ranks -1", "Invalid value for '--ranks'"),
     ("compare in.lammps --timeout nan", "Invalid value for '--timeout'"),
     ("run in.lammps --precision half", "--precision half is not one of double, mixed"),
-    ("run in.lammps --engine lammps --precision mixed", "--precision, --sleep and --on-instability are of the native engine; lammps has no such modes"),
+    ("run in.lammps --engine lammps --precision mixed", "--precision, --sleep and --on-instability are of the native engine; lammps has no"),
     ("run in.lammps --sleep -1 --out out", "in.lammps:21: --sleep -1: sleep needs a speed above 0 and steps between looks, not speed -1"),
     ("run in.lammps --out file", "file: File exists"),
     ("run in.lammps --out file/below", "file/below: Not a directory"),
