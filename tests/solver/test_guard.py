@@ -147,7 +147,7 @@ def test_falling_bouncing_and_settling_are_no_growth() -> None:
 def test_a_coarse_fall_from_rest_is_no_growth(part: float) -> None:
     """Law: where all energy there was is one of height, what an impact gets wrong is measured against what the fall has given since."""
     dt = part * np.pi * np.sqrt(MASS / KN)
-    assert message_of(on_floor(dt, FLOOR, overlap=-40.0 * RADIUS, pull=9.81), 3000) == ""
+    assert message_of(on_floor(dt, FLOOR, overlap=-10.0 * RADIUS, pull=9.81), 3000) == ""
 
 
 def test_warn_goes_on_and_says_each_kind_once() -> None:
