@@ -72,7 +72,7 @@ def compare(
     threads: Threads = 1,
     ranks: Ranks = 1,
     timeout: Timeout = 3600.0,
-    on_instability: OnInstability = "stop",
+    on_instability: OnInstability = "warn",
     json: Json = None,
 ) -> None:
     """Run a deck or a case in every engine there is, and say where they agree."""

@@ -162,6 +162,7 @@ def verify_case(case: Case, out: Path, settings: Settings) -> Verified:
         found = compare_case(case, folder, settings, lambda _: None)
     except InputError as error:
         return Verified(case, error=f"{error}", seconds=time.perf_counter() - began)
+    folder.mkdir(parents=True, exist_ok=True)  # an engine that refuses leaves none
     write_report(folder / "report.html", found.report)
     outcomes = [check.outcome for check in found.checks]
     return Verified(

