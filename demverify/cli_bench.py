@@ -24,24 +24,8 @@ def accuracy(
 ) -> None:
     """Draw error against wall time and steps, for every law, integrator and engine, in scenes whose solution is known."""
     from demverify import bench as scenes
-    from demverify.cli_reproduce import bar
-    from demverify.formats.atomic import check_writable
-    from demverify.report.json import write_whole
-    from demverify.report.study import as_dict, as_json, write_study
-    from demverify.report.study_text import print_study
-    from demverify.studies import unexplained
+    from demverify.cli_reproduce import study_all
 
     names = tuple(dict.fromkeys(scene or scenes.listing()))
     scenes.check(names)
-    check_writable(json)
-    for name in names:
-        (out / name).mkdir(parents=True, exist_ok=True)
-    found = {}
-    for name in names:
-        with bar(name) as progress:
-            found[name] = scenes.run(name, quick, progress)
-        command = f"demverify bench accuracy {name}{' --quick' if quick else ''}"
-        print_study(name, found[name], write_study(out / name, found[name], command))
-    if json:
-        write_whole(json, as_json({"quick": quick, "scenes": {name: as_dict(one) for name, one in found.items()}}))
-    raise typer.Exit(1 if any(unexplained(one) for one in found.values()) else 0)
+    study_all(names, scenes.run, "demverify bench accuracy", "scenes", out, json, quick)

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, NoReturn
 
 import typer
 
 if TYPE_CHECKING:
-    from demverify.studies import Progress
+    from demverify.studies import Progress, Study
 
 
 def reproduce(
@@ -22,25 +22,36 @@ def reproduce(
 ) -> None:
     """Compute again what a document states, and say of each statement whether it came out."""
     from demverify import studies
+
+    names = tuple(dict.fromkeys(study or studies.listing()))
+    studies.check(names)
+    study_all(names, studies.run, "demverify reproduce", "studies", out, json, quick)
+
+
+def study_all(
+    names: Sequence[str], run: Callable[[str, bool, Progress], Study], command: str, plural: str, out: Path, json: Path | None, quick: bool
+) -> NoReturn:
+    """Runs studies one by one, writes and prints each, and ends with status 1 if something did not come out and nothing says why.
+
+    command: what runs one when its name follows; plural: what the JSON file calls them. Raises InputError for a file that cannot be written."""
     from demverify.formats.atomic import check_writable
     from demverify.report.json import write_whole
     from demverify.report.study import as_dict, as_json, write_study
     from demverify.report.study_text import print_study
+    from demverify.studies import unexplained
 
-    names = tuple(dict.fromkeys(study or studies.listing()))
-    studies.check(names)
     check_writable(json)
     for name in names:
         (out / name).mkdir(parents=True, exist_ok=True)
     found = {}
     for name in names:
         with bar(name) as progress:
-            found[name] = studies.run(name, quick, progress)
-        command = f"demverify reproduce {name}{' --quick' if quick else ''}"
-        print_study(name, found[name], write_study(out / name, found[name], command))
+            found[name] = run(name, quick, progress)
+        page = write_study(out / name, found[name], f"{command} {name}{' --quick' if quick else ''}")
+        print_study(name, found[name], page)
     if json:
-        write_whole(json, as_json({"quick": quick, "studies": {name: as_dict(one) for name, one in found.items()}}))
-    raise typer.Exit(1 if any(studies.unexplained(one) for one in found.values()) else 0)
+        write_whole(json, as_json({"quick": quick, plural: {name: as_dict(one) for name, one in found.items()}}))
+    raise typer.Exit(1 if any(unexplained(one) for one in found.values()) else 0)
 
 
 @contextmanager
