@@ -11,7 +11,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from demverify.frames import Frame
-from demverify.laws import Measured
+from demverify.laws import Measured, largest_miss
 from demverify.mechanics import positions, spins, velocities
 
 
@@ -35,6 +35,5 @@ def measure(frames: Sequence[Frame]) -> list[Measured]:
         largest = max(float(np.abs(values(before)).max()) for before, _ in pairs)
         size = float(frames[0].columns["radius"].max()) if name == "position" else largest
         if size > 0.0:
-            worst = int(np.argmax(off))
-            found.append(Measured(f"{name} the second time", pairs[worst][1].step, off[worst], 0.0, size))
+            found.append(largest_miss(f"{name} the second time", [again for _, again in pairs], off, size))
     return found

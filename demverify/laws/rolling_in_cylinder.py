@@ -18,7 +18,7 @@ import numpy as np
 
 from demverify.errors import InputError
 from demverify.frames import Floats, Frame
-from demverify.laws import Measured
+from demverify.laws import Measured, largest_miss
 from demverify.mechanics import positions, spins, times, velocities
 
 MOST_TURNS = 200  # from sliding to rolling and back
@@ -119,12 +119,7 @@ def measure(
     expected = motion(drum, np.array([angle[0], speed[0] / drum.length, spin[0]]), t)
     fastest = float(np.abs(expected[:, 1]).max()) * drum.length
     return [
-        _worst(frames, "angle", angle - expected[:, 0], float(np.abs(expected[:, 0]).max())),
-        _worst(frames, "speed", speed - drum.length * expected[:, 1], fastest),
-        _worst(frames, "spin", spin - expected[:, 2], max(float(np.abs(expected[:, 2]).max()), fastest / radius)),
+        largest_miss("angle", frames, np.abs(angle - expected[:, 0]), float(np.abs(expected[:, 0]).max())),
+        largest_miss("speed", frames, np.abs(speed - drum.length * expected[:, 1]), fastest),
+        largest_miss("spin", frames, np.abs(spin - expected[:, 2]), max(float(np.abs(expected[:, 2]).max()), fastest / radius)),
     ]
-
-
-def _worst(frames: Sequence[Frame], what: str, missed: Floats, scale: float) -> Measured:
-    at = int(np.argmax(np.abs(missed)))
-    return Measured(what, frames[at].step, float(abs(missed[at])), 0.0, scale)

@@ -14,7 +14,7 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from demverify.frames import Floats, Frame
-from demverify.laws import Measured
+from demverify.laws import Measured, largest_miss
 from demverify.mechanics import positions, spins, times, velocities
 
 EXPONENT, FACTOR = 0.687, 0.15
@@ -29,15 +29,12 @@ def measure(
     first, t = frames[0], times(frames, dt)
     rates = acceleration(first.columns["mass"], first.columns["radius"], gravity, gas_density, viscosity, np.array([ux, uy, uz]))
     place, speed = path(positions(first), velocities(first), t, rates)
-    found = np.array(
-        [
-            [np.abs(velocities(f) - speed[k]).max(), np.abs(positions(f) - place[k]).max(), np.abs(spins(f) - spins(first)).max()]
-            for k, f in enumerate(frames)
-        ]
-    )
-    at = found.argmax(axis=0)
-    scales = (float(np.abs(speed).max()), float(np.abs(place - place[0]).max()), max(1.0, float(np.abs(spins(first)).max())))
-    return [Measured(name, frames[at[k]].step, float(found[at[k], k]), 0.0, scales[k]) for k, name in enumerate(("velocity", "path", "spin"))]
+    turning, way = spins(first), float(np.abs(place - place[0]).max())
+    return [
+        largest_miss("velocity", frames, [np.abs(velocities(f) - v).max() for f, v in zip(frames, speed, strict=True)], float(np.abs(speed).max())),
+        largest_miss("path", frames, [np.abs(positions(f) - x).max() for f, x in zip(frames, place, strict=True)], way),
+        largest_miss("spin", frames, [np.abs(spins(f) - turning).max() for f in frames], max(1.0, float(np.abs(turning).max()))),
+    ]
 
 
 def acceleration(mass: Floats, radius: Floats, gravity: float, gas_density: float, viscosity: float, gas: Floats) -> Acceleration:
