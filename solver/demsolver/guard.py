@@ -194,11 +194,12 @@ class Guard:
         if self._total < np.inf and near:
             self._before, self._scale = (simulation.step, kinetic), max(FORGETS * self._scale, kinetic)
             return
-        lively = kinetic + (simulation.elastic_energy() if simulation.touches else 0.0)
-        (step, before), grown = self._before, lively + potential - self._floor
+        elastic = simulation.elastic_energy() if simulation.touches else 0.0
+        total, lively = kinetic + elastic + potential, kinetic + abs(elastic)  # what sticks together has elastic energy below 0
+        (step, before), grown = self._before, total - self._floor
         # What gravity has given since counts as energy that there was.
         limit = GROWTH * max(self._scale, lively - grown) + ROUNDING * (weight + lively)
-        self._total = lively + potential
+        self._total = total
         self._before, self._floor, self._scale = (simulation.step, lively), min(self._floor, self._total), max(FORGETS * self._scale, lively)
         if grown > limit:
             fastest = int(simulation.id[np.argmax(np.sum(simulation.bodies.v**2, axis=1))])

@@ -184,11 +184,12 @@ class Observed:
         return shifts
 
     def _heights(self) -> Floats:
-        """Potential energy of gravity of each row that it can move."""
+        """Potential energy of gravity of each row that it can move, asleep or awake."""
         b = self._bodies
+        falls = (b.moving | self._sleepers.asleep if self._sleepers else b.moving) & ~b.frozen
         unwrapped = b.x + self._image * (self.box_hi - self.box_lo)
         heights = np.zeros(len(b.x))
         for field in self.scene.forces:
             if isinstance(field, Gravity):
-                heights -= np.where(selected(b.mask, field.bit) & b.moving & ~b.frozen, b.mass * (unwrapped @ np.array(field.acceleration)), 0.0)
+                heights -= np.where(selected(b.mask, field.bit) & falls, b.mass * (unwrapped @ np.array(field.acceleration)), 0.0)
         return heights

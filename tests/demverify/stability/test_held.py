@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from demsolver import Scene
@@ -17,6 +17,7 @@ from demverify.stability.limits_plane import at, inside
 @pytest.mark.parametrize("integrator", INTEGRATORS)
 @settings(max_examples=20, deadline=None)
 @given(K=st.floats(0.1, 6.0), H=st.floats(0.0, 3.0))
+@example(K=2.5, H=1.0)
 def test_a_disturbance_grows_by_the_spectral_radius(integrator: str, K: float, H: float) -> None:
     """Law: below K + 2 H = 4 it holds; above, each step multiplies it by the larger |lambda|."""
     margin = 4.0 - K - 2.0 * H
