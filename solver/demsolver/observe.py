@@ -14,7 +14,7 @@ from demsolver.listed import Listed, listed
 from demsolver.neighbor_grid import bounds_of
 from demsolver.scene import Box, Gravity, Particles, Scene
 from demsolver.sleep import Sleepers
-from demsolver.specialise import Features
+from demsolver.specialise import Features, compiling
 from demsolver.state import Bodies, Floats, Ints, Pairs, inertias, outside, selected
 
 if TYPE_CHECKING:
@@ -144,9 +144,10 @@ class Observed:
         return 0.5 * float(np.einsum("i,ic,ic", b.mass, b.v, b.v)), 0.5 * float(np.einsum("i,ic,ic", inertia, omega, omega))
 
     def _stored(self) -> tuple[float, float, float]:
-        normal, tangential, rolling = self._kernel.stored(
-            self._bodies, self._pairs, self._shifts(), self._coefficients, self.scene.ntypes, self._flat_walls(), self.scene.timestep
-        )
+        with compiling():
+            normal, tangential, rolling = self._kernel.stored(
+                self._bodies, self._pairs, self._shifts(), self._coefficients, self.scene.ntypes, self._flat_walls(), self.scene.timestep
+            )
         return normal, tangential, rolling
 
     def pair_virial(self) -> float:

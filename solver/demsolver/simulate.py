@@ -22,7 +22,7 @@ from demsolver.neighbor_grid import bounds_of
 from demsolver.observe import ACCOUNT, TALLIES, Observed
 from demsolver.scene import Plane, Scene
 from demsolver.sleep import Sleep, Sleepers, check_sleep
-from demsolver.specialise import BUDGET_COLUMNS, CHUNK, features, specialise
+from demsolver.specialise import BUDGET_COLUMNS, CHUNK, compiling, features, specialise
 from demsolver.state import Bodies, Floats, Ints, Pairs, bodies_of, flat_of, movers_first
 from demsolver.threads import use_threads
 from demsolver.trouble import LostParticles, Unstable, check_finite, check_flight, refused
@@ -95,8 +95,9 @@ class Simulation(Observed):
 
     def setup(self) -> None:
         """Wraps, rebuilds the list, and computes forces with the velocities as they are, without growing any history."""
-        self._relist()
-        self._run(SETUP, 0)
+        with compiling():
+            self._relist()
+            self._run(SETUP, 0)
         if self._guard:
             self._guard.begin(self)
         self._look()
