@@ -245,7 +245,7 @@ def specialise(scene: Scene, has: Features) -> ModuleType:
 
 @contextmanager
 def compiling() -> Iterator[None]:
-    """Without garbage collection: for calls that may compile, which makes millions of objects that stay; looking through them costs a quarter more."""
+    """Without garbage collection: for calls that may compile, which makes millions of objects that stay; looking through them costs a fifth more."""
     collects = gc.isenabled()
     gc.disable()
     try:

@@ -2,14 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from math import sqrt
-from typing import Any
+from typing import TypeVar, cast
 
 from numba import njit
 
 Quat = tuple[float, float, float, float]
 Vector = tuple[float, float, float]
-compiled: Any = njit(error_model="numpy", nogil=True, no_cfunc_wrapper=True)
+Function = TypeVar("Function", bound=Callable[..., object])
+
+
+def compiled(function: Function) -> Function:
+    """The same by Numba; division by zero gives no error but inf."""
+    return cast(Function, njit(error_model="numpy", nogil=True)(function))
 
 
 @compiled

@@ -1,7 +1,7 @@
-"""The free top exactly, by Jacobi's elliptic functions, between two kicks of the torque: a splitting of order 2 whose only error is the torque's.
+"""The free top exactly, by Jacobi's elliptic functions, between two kicks of the torque: a splitting of order 2, whose only error is the torque's.
 
-Without a torque energy and angular momentum stay to rounding at any step, and the orientation is that of the closed form. Along the body axes, ordered
-so that the third is the one that the angular momentum m circles about,
+Without a torque energy and angular momentum stay to rounding at any step, and the orientation is that of the closed form. Along the body axes, in the
+order in which the third is the one that the angular momentum m circles about,
 
     m1 = a cn(u), m2 = b sn(u), m3 = c dn(u),   u' = n            Landau & Lifshitz, Mechanics, section 37
 
@@ -20,15 +20,18 @@ import numpy as np
 
 from demsolver.rotation._algebra import Quat, Vector, compiled, normalised, product, pushed, spin_of, to_body
 
-PART = 0.25
-"""Longest part of a step, in u. The nearest pole of dn is K(k') >= pi/2 off; seven points leave an error of (PART/(2 pi))^14 there."""
-NODES, WEIGHTS = (tuple(float(0.5 * (one + shift)) for one in row) for row, shift in zip(np.polynomial.legendre.leggauss(7), (1.0, 0.0), strict=True))
+PART, SHORT, SHORTER = 0.25, 0.03, 3e-4
+"""Longest part of a step, in u, for seven, four and two points: the nearest pole of dn is K(k') >= pi/2 off, so that n points leave an error of about
+(part/(2 pi))^(2 n), some 1e-17."""
+RULES = [np.polynomial.legendre.leggauss(n) for n in (7, 4, 2)]
+NODES = tuple(float(0.5 * (1.0 + node)) for nodes, _ in RULES for node in nodes)
+WEIGHTS = tuple(float(0.5 * weight) for _, weights in RULES for weight in weights)
 TINY = 1e-150
 
 
 @compiled
 def jacobi(u: float, complement: float) -> Vector:
-    """sn, cn and dn of u, by the arithmetic-geometric mean. complement: k'^2 = 1 - k^2, from 0 to 1 (Abramowitz & Stegun 16.4, in Bulirsch's form)."""
+    """sn, cn and dn of u by the arithmetic-geometric mean, Abramowitz & Stegun 16.4 in Bulirsch's form. complement: k'^2 = 1 - k^2, from 0 to 1."""
     if complement < TINY:
         grown = np.exp(u)
         sech = 2.0 / (grown + 1.0 / grown)
@@ -117,21 +120,21 @@ def _ordered(x: float, y: float, z: float, size: float, one: float, two: float, 
     twice_energy = x * x / one + y * y / two + z * z / three
     sn0, cn0, dn0 = (y / b, x / a, z / c) if a > 0.0 else (0.0, 1.0, 1.0)
     parts = int(abs(rate * h) / PART) + 1
-    w = (1.0, 0.0, 0.0, 0.0)
     way = rate * h / parts
+    begin, end = (0, 7) if abs(way) > SHORT else ((7, 11) if abs(way) > SHORTER else (11, 13))
     angle = 0.0
     sn1, cn1, dn1 = sn0, cn0, dn0
     for _ in range(parts):
-        for node, weight in zip(NODES, WEIGHTS):
-            sn, cn, dn = _summed(sn1, cn1, dn1, jacobi(way * node, complement), complement)
-            height = c * dn
-            angle += weight * (twice_energy + size * sign * height / three) / (size + sign * height)
+        for k in range(begin, end):
+            height = sign * c * _summed(sn1, cn1, dn1, jacobi(way * NODES[k], complement), complement)[2]
+            angle += WEIGHTS[k] * (twice_energy + size * height / three) / (size + height)
         sn1, cn1, dn1 = _summed(sn1, cn1, dn1, jacobi(way, complement), complement)
+    part = 1.0 / sqrt(sn1 * sn1 + cn1 * cn1)
+    sn1, cn1 = part * sn1, part * cn1
+    dn1 = sqrt(cn1 * cn1 + complement * sn1 * sn1)
     angle *= 0.5 * h / parts
-    start = _upright(x, y, z, size, sign)
-    end = _upright(a * cn1, b * sn1, c * dn1, size, sign)
-    w = product((cos(angle), 0.0, 0.0, sign * sin(angle)), end)
-    return product((start[0], -start[1], -start[2], -start[3]), w)
+    before, after = _upright(x, y, z, size, sign), _upright(a * cn1, b * sn1, c * dn1, size, sign)
+    return product((before[0], -before[1], -before[2], -before[3]), product((cos(angle), 0.0, 0.0, sign * sin(angle)), after))
 
 
 @compiled

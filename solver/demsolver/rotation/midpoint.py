@@ -16,7 +16,7 @@ MOST = 200
 
 @compiled
 def _advanced(u: Vector, torque: Vector, inertia: Vector, h: float) -> Vector:
-    """Spin along the body axes after a time h, u1 = u0 + h I^-1 (T - u x I u) at u = (u0 + u1)/2, by iteration; no numbers if it does not converge."""
+    """Spin along the body axes after a time h, u1 = u0 + h I^-1 (T - u x I u) at u = (u0 + u1)/2, iterated; no numbers if it does not converge."""
     new = u
     for _ in range(MOST):
         x, y, z = 0.5 * (u[0] + new[0]), 0.5 * (u[1] + new[1]), 0.5 * (u[2] + new[2])

@@ -1,6 +1,6 @@
 """Angular momentum of half steps by leapfrog, as in Fincham's scheme: LIGGGHTS nve/superquadric scheme 3, with its fault.
 
-The spin of the whole step is taken from the angular momentum along the body axes of the old orientation, not of the half one, which makes it of order 1.
+The spin of the whole step is taken from the angular momentum along the body axes of the old orientation, not of the half one, so its order is 1.
 """
 
 from __future__ import annotations
