@@ -1,9 +1,9 @@
-"""Makes the particle states of the case folders: `python inputs/make_states.py bed silo chute gas`. Their data files are what the decks read.
+"""Makes the particle states of the case folders: `python inputs/make_states.py bed silo chute gas loose`. Their data files are what the decks read.
 
 bed: 1,000 spheres of two types dropped into a periodic column, settled, then given small random velocities, so that contacts also
 slide and roll. silo: the same spheres in a cylinder of radius 0.05 m about the z axis.
 chute: 10,000 spheres settled on a frozen rough base, then flowing down 24 degrees until the flow is developed.
-gas: 200 spheres in a periodic box, for the bench.
+gas: 200 spheres in a periodic box, for the bench. loose: 225 in layers that fall together, for the bench.
 """
 
 from __future__ import annotations
@@ -165,6 +165,16 @@ def make_gas() -> None:
     write(HERE / "bench" / "elastic-gas" / "gas.data", p, 2500.0, (length,) * 3, 9, title)
 
 
+def make_loose() -> None:
+    """225 spheres of 9 to 11 mm over a floor of 60 mm each way, at rest."""
+    rng = np.random.default_rng(3)
+    n, length = 225, 0.06
+    radius = rng.uniform(0.0045, 0.0055, n).round(5)
+    p = particles(loose(n, (5, 5), (length, length), radius, rng), radius, np.ones(n, int), 2500.0)
+    title = "225 spheres in loose layers, at rest; made by inputs/make_states.py"
+    write(HERE / "bench" / "settling-bed" / "loose.data", p, 2500.0, (length, length, 0.12), 9, title)
+
+
 if __name__ == "__main__":
-    for name in sys.argv[1:] or ["bed", "silo", "chute", "gas"]:
-        {"bed": make_bed, "silo": make_silo, "chute": make_chute, "gas": make_gas}[name]()
+    for name in sys.argv[1:] or ["bed", "silo", "chute", "gas", "loose"]:
+        {"bed": make_bed, "silo": make_silo, "chute": make_chute, "gas": make_gas, "loose": make_loose}[name]()

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from pathlib import Path
 from statistics import median
 from tempfile import TemporaryDirectory
 from time import perf_counter
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
@@ -33,8 +34,10 @@ class State:
     omega: Floats
 
 
-Error = Callable[["Scene", Sequence[State]], float]
-"""(scene at the start, states at the moments that are looked at) -> error, relative."""
+Error = Callable[[Any, Sequence[State]], float]
+"""(scene at the start, None where what moves is no scene; states at the moments that are looked at) -> error, relative."""
+Solve = Callable[[int], tuple[list[State], float]]
+"""So many steps -> states at the moments that are looked at, and the seconds that the steps took."""
 
 
 @dataclass(frozen=True)
@@ -49,14 +52,16 @@ class Measure:
 
 @dataclass(frozen=True)
 class Contender:
-    """One way of solving. style: of its line, 0 to 5. change: what is made of the deck's scene (native only). exact: keeps the energy by
-    construction. orders: short name of a measure -> the order that theory gives it. why: short name -> why theory does not hold here, where that
-    is known."""
+    """One way of solving. style: of its line, 0 to 5. change: what is made of the deck's scene (native only). solve: instead of a scene, where what
+    moves is none (native only). words: of the deck's variables, its own. exact: keeps the energy by construction. orders: short name of a measure ->
+    the order that theory gives it. why: short name -> why theory does not hold here, where that is known."""
 
     name: str
     style: int
     engine: Literal["native", "lammps", "liggghts"] = "native"
     change: Callable[[Scene], Scene] = lambda scene: scene
+    solve: Solve | None = None
+    words: Mapping[str, str] = field(default_factory=dict)
     precision: Precision = "double"
     threads: int = 1
     exact: bool = False
@@ -71,7 +76,7 @@ class Problem:
     scene: folder of inputs/bench. name: of the law. variables: of the decks. duration [s] simulated. unit [s]: what steps are stated in;
     unit_name: in
     words. shares: the steps, in units. instants: how many moments are looked at, equally far apart, the last at the end. reference: in words.
-    convergence: (how fine, how far from the finest, relative), of a reference that is itself computed.
+    convergence: () -> (computed with, how far from the finest or from each other, relative), of a reference that is itself computed.
     """
 
     scene: str
@@ -84,8 +89,15 @@ class Problem:
     measures: tuple[Measure, ...]
     contenders: tuple[Contender, ...]
     reference: str
-    convergence: tuple[tuple[str, float], ...] = ()
+    convergence: Callable[[], tuple[tuple[str, float], ...]] = tuple
     instants: int = 1
+
+    @cached_property
+    def start(self) -> Scene | None:
+        """The scene at the start; None where what moves is none."""
+        if any(one.solve for one in self.contenders):
+            return None
+        return scene_of(self, self.steps(self.shares[0]))
 
     def steps(self, share: float) -> int:
         """Of the whole run, so that every moment falls on one; the step is duration/steps."""
@@ -97,9 +109,9 @@ class Problem:
 
         return library() / "bench" / self.scene / f"in.{'liggghts' if engine == 'liggghts' else 'lammps'}"
 
-    def words(self, steps: int) -> dict[str, list[str]]:
-        """Variables of a run with so many steps."""
-        words = {**self.variables, "dt": repr(self.duration / steps), "steps": str(steps)}
+    def words(self, steps: int, own: Mapping[str, str] | None = None) -> dict[str, list[str]]:
+        """Variables of a run with so many steps. own: of the contender."""
+        words = {**self.variables, **(own or {}), "dt": repr(self.duration / steps), "steps": str(steps)}
         return {name: [value] for name, value in words.items()}
 
 
@@ -151,12 +163,11 @@ def scene_of(problem: Problem, steps: int, contender: Contender | None = None) -
 def measured(problem: Problem, told: Told, rounds: int) -> tuple[list[Row], list[str]]:
     """Rows of all contenders that can run, and a line on each that cannot. Errors first, then times, in which contenders and steps take turns."""
     present, absent = _present(problem.contenders)
-    start = scene_of(problem, problem.steps(problem.shares[0]))
     rows = []
     for contender in present:
         told(f"{problem.name}: {contender.name}")
         compiled = _warm(problem, contender) if contender.engine == "native" else np.nan
-        points = [_errors(problem, contender, share, start) for share in problem.shares]
+        points = [_errors(problem, contender, share) for share in problem.shares]
         rows.append(Row(contender, tuple(points), compiled))
     told(f"{problem.name}: times")
     return _timed(problem, rows, rounds), absent
@@ -184,6 +195,9 @@ def _warm(problem: Problem, contender: Contender) -> float:
     from demsolver import LostParticles, Unstable
 
     steps, began = problem.steps(problem.shares[-1]), perf_counter()
+    if contender.solve:
+        contender.solve(problem.steps(problem.shares[0]))
+        return perf_counter() - began
     simulation = _simulation(problem, contender, steps)
     try:
         simulation.setup()
@@ -194,14 +208,14 @@ def _warm(problem: Problem, contender: Contender) -> float:
     return perf_counter() - began
 
 
-def _errors(problem: Problem, contender: Contender, share: float, start: Scene) -> Point:
+def _errors(problem: Problem, contender: Contender, share: float) -> Point:
     steps = problem.steps(share)
     states = (_native_states if contender.engine == "native" else _engine_states)(problem, contender, steps)
-    found = tuple(_error(measure, start, states) for measure in problem.measures)
+    found = tuple(_error(measure, problem.start, states) for measure in problem.measures)
     return Point(problem.duration / steps, steps, found)
 
 
-def _error(measure: Measure, start: Scene, states: Sequence[State] | None) -> float:
+def _error(measure: Measure, start: Scene | None, states: Sequence[State] | None) -> float:
     error = measure.error(start, states) if states is not None else np.inf
     return error if np.isfinite(error) else np.inf
 
@@ -210,6 +224,8 @@ def _native_states(problem: Problem, contender: Contender, steps: int) -> list[S
     """States at the moments that are looked at; None where they became no numbers, or are lost."""
     from demsolver import LostParticles, Unstable
 
+    if contender.solve:
+        return contender.solve(steps)[0]
     simulation, states = _simulation(problem, contender, steps), []
     try:
         simulation.setup()
@@ -235,7 +251,7 @@ def _run(problem: Problem, contender: Contender, steps: int, folder: Path, every
     from demverify.engines.base import Job
     from demverify.runs import execute
 
-    job = Job(problem.deck(contender.engine), folder / "run", problem.words(steps), every, timeout_s=600.0)
+    job = Job(problem.deck(contender.engine), folder / "run", problem.words(steps, contender.words), every, timeout_s=600.0)
     return execute(contender.engine, contender.name, job, keep=True)
 
 
@@ -272,6 +288,10 @@ def _time(problem: Problem, contender: Contender, steps: int) -> tuple[float, fl
     spent: list[float] = []
     starts: list[float] = []
     while not spent or (sum(spent) < LONG_ENOUGH_S and len(spent) < 5):
+        if contender.solve:
+            spent.append(contender.solve(steps)[1])
+            starts.append(0.0)
+            continue
         began = perf_counter()
         simulation = _simulation(problem, contender, steps)
         simulation.setup()

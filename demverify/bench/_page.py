@@ -220,9 +220,8 @@ def _orders(judged: Judged, orders: Sequence[Order | None]) -> Table:
 
 
 def _converged(problem: Problem) -> list[Table]:
-    if not problem.convergence:
-        return []
-    return [Table("The reference: how far from the finest, relative", ("computed with", "difference"), problem.convergence)]
+    found = problem.convergence()
+    return [Table("How well the reference is known, relative", ("computed with", "difference"), found)] if found else []
 
 
 def _starts(judged: Judged) -> Table:

@@ -100,7 +100,7 @@ def _problem(model: str, quick: bool) -> Problem:
     speed = sqrt(2.0 * GRAVITY * float((p.x[:, 2] - p.radius).mean()))
     finest = heights(scene, model, DURATION, 160)
     told = tuple((f"{nodes} nodes", float(np.abs(heights(scene, model, DURATION, nodes) / finest - 1.0).max())) for nodes in (10, 20, 40, 80))
-    return replace(problem, unit=contact_time(speed, float(p.mass[0]), float(p.radius[0]), model, GRAVITY), convergence=told)
+    return replace(problem, unit=contact_time(speed, float(p.mass[0]), float(p.radius[0]), model, GRAVITY), convergence=lambda: told)
 
 
 _BOTH = (

@@ -60,13 +60,17 @@ def _problem(model: str, quick: bool) -> Problem:
     if model == "hooke":
         own += (Contender(GRADIENT, 2, change=gradient), Contender(MENDED, 3, change=mended))
     finest, others = FINENESS[1 if quick else -1], FINENESS[: 1 if quick else -1]
-    last = velocities(model, finest)
-    off = [float(np.abs(velocities(model, one) - last).max() / np.abs(last).max()) for one in others]
-    told = tuple((f"tolerance {tolerance:g}, {least:,} steps and more", one) for (tolerance, least), one in zip(others, off, strict=True))
     return Problem(
         "three-spheres", NAMES[model], {"model": model, "kn": repr(STIFFNESS[model])}, DURATION, pi * sqrt(mass / 1e5), "a contact time",
         tuple(1.0 / (n + 0.5) for n in steps),
         (Measure("speed of the lower spheres at the end, relative", "speed", partial(error, model=model, fineness=finest)),),
         own if quick else (*own, *engines({"speed": 2.0})),
-        "the equations of motion by DOP853, from one change of contact to the next.", told,
+        "the equations of motion by DOP853, from one change of contact to the next.", partial(convergence, model, finest, others),
     )  # fmt: skip
+
+
+def convergence(model: str, finest: tuple[float, int], others: Sequence[tuple[float, int]]) -> tuple[tuple[str, float], ...]:
+    """Of the reference, with its tolerance."""
+    last = velocities(model, finest)
+    off = [float(np.abs(velocities(model, one) - last).max() / np.abs(last).max()) for one in others]
+    return tuple((f"tolerance {tolerance:g}, {least:,} steps and more", one) for (tolerance, least), one in zip(others, off, strict=True))

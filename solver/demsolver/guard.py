@@ -41,7 +41,7 @@ _NOBODY = Listed(_NONE, _NONE, _NONE, np.zeros(0, dtype=np.uint8), np.zeros((0, 
 GROWTH = 1.0
 COARSEST = 1e-3
 """Of a radius. A contact is a hundredth deep, and in each of its steps a place is rounded."""
-LEAST_EVERY, LOOK_COSTS = 200, 20_000
+LEAST_EVERY, LOOK_COSTS = 1000, 20_000
 """A look costs about as much as one step of the particles there are, and as much as LOOK_COSTS steps of a single one."""
 FORGETS = 0.9
 """Part of the energy scale that is left after a look: what a run once had says little of what it has now."""
