@@ -1,0 +1,125 @@
+"""The function f = k {(|x/a|^n2 + |y/b|^n2)^(n1/n2) + |z/c|^n1 - 1} of a superquadric: below 0 inside, convex for n1, n2 >= 2."""
+
+from __future__ import annotations
+
+from math import sqrt
+
+from demsolver.rotation._algebra import Vector, compiled, to_body, to_space
+from demsolver.superquadric import Body
+
+Symmetric = tuple[float, float, float, float, float, float]
+"""xx, yy, zz, xy, xz, yz of a matrix."""
+
+
+@compiled
+def power(u: float, n: float) -> float:
+    """u^n for u >= 0; small whole numbers by products."""
+    if n == 2.0:
+        return u * u
+    if n == 1.0:
+        return u
+    if n == 0.0:
+        return 1.0
+    if n == 3.0:
+        return u * u * u
+    if n == 4.0:
+        return (u * u) * (u * u)
+    if n == 6.0:
+        return (u * u) * (u * u) * (u * u)
+    return float(u**n)
+
+
+@compiled
+def value(u: Vector, body: Body) -> float:
+    """f at u, along the body axes."""
+    a, b, c = body.axes
+    across = power(abs(u[0]) / a, body.n2) + power(abs(u[1]) / b, body.n2)
+    if body.n1 != body.n2:
+        across = across ** (body.n1 / body.n2)
+    return body.scale * (across + power(abs(u[2]) / c, body.n1) - 1.0)
+
+
+@compiled
+def slope(u: Vector, body: Body) -> tuple[float, Vector]:
+    """f and its gradient at u, along the body axes."""
+    (a, b, c), n1, n2 = body.axes, body.n1, body.n2
+    x, y, z = abs(u[0]) / a, abs(u[1]) / b, abs(u[2]) / c
+    px, py, pz = power(x, n2 - 1.0), power(y, n2 - 1.0), power(z, n1 - 1.0)
+    across = px * x + py * y
+    outer = 1.0
+    if n1 != n2:
+        outer = across ** (n1 / n2 - 1.0) if across > 0.0 else 0.0
+    part = body.scale * n1
+    gx, gy, gz = part * outer * px / a, part * outer * py / b, part * pz / c
+    f = body.scale * (outer * across + pz * z - 1.0)
+    return f, (gx if u[0] >= 0.0 else -gx, gy if u[1] >= 0.0 else -gy, gz if u[2] >= 0.0 else -gz)
+
+
+@compiled
+def curve(u: Vector, body: Body) -> Symmetric:
+    """Second derivatives of f at u, along the body axes: xx, yy, zz, xy, xz, yz, of which the last two are 0."""
+    (a, b, c), n1, n2 = body.axes, body.n1, body.n2
+    x, y, z = abs(u[0]) / a, abs(u[1]) / b, abs(u[2]) / c
+    dx, dy = power(x, n2 - 2.0), power(y, n2 - 2.0)
+    across = dx * x * x + dy * y * y
+    part, outer, inner = body.scale * n1, 1.0, 0.0
+    if n1 != n2 and across > 0.0:
+        outer = across ** (n1 / n2 - 1.0)
+        inner = (n1 - n2) * outer / across
+    elif n1 != n2:
+        outer = 0.0
+    xx = part * (outer * (n2 - 1.0) * dx + inner * dx * dx * x * x) / (a * a)
+    yy = part * (outer * (n2 - 1.0) * dy + inner * dy * dy * y * y) / (b * b)
+    xy = part * inner * dx * x * dy * y / (a * b)
+    zz = part * (n1 - 1.0) * power(z, n1 - 2.0) / (c * c)
+    return xx, yy, zz, xy if (u[0] >= 0.0) == (u[1] >= 0.0) else -xy, 0.0, 0.0
+
+
+@compiled
+def in_space(h: Symmetric, body: Body) -> Symmetric:
+    """R H R^T."""
+    one = to_space(body.q, (h[0], h[3], h[4]))
+    two = to_space(body.q, (h[3], h[1], h[5]))
+    three = to_space(body.q, (h[4], h[5], h[2]))
+    # rows of (H R^T)^T are R times the columns of H
+    first = to_space(body.q, (one[0], two[0], three[0]))
+    second = to_space(body.q, (one[1], two[1], three[1]))
+    third = to_space(body.q, (one[2], two[2], three[2]))
+    return first[0], second[1], third[2], first[1], first[2], second[2]
+
+
+@compiled
+def seen(p: Vector, body: Body) -> Vector:
+    """A point of space along the axes of the body, from its centre."""
+    return to_body(body.q, (p[0] - body.x[0], p[1] - body.x[1], p[2] - body.x[2]))
+
+
+@compiled
+def leaves(p: Vector, d: Vector, body: Body) -> float:
+    """How far from p, inside the body, along the unit vector d its surface is. Newton on a convex function from beyond: it comes down steadily."""
+    u, e = seen(p, body), to_body(body.q, d)
+    a, b, c = body.axes
+    # the box around the body is left no later than here
+    far = 1e300
+    for k in range(3):
+        if e[k] != 0.0:
+            far = min(far, ((body.axes[k] if e[k] > 0.0 else -body.axes[k]) - u[k]) / e[k])
+    t = far
+    f, g = slope(u, body)
+    rate = g[0] * e[0] + g[1] * e[1] + g[2] * e[2]
+    if rate > 0.0:
+        t = min(t, -f / rate)
+    for _ in range(200):
+        f, g = slope((u[0] + t * e[0], u[1] + t * e[1], u[2] + t * e[2]), body)
+        rate = g[0] * e[0] + g[1] * e[1] + g[2] * e[2]
+        step = f / rate
+        t -= step
+        if not abs(step) > 1e-15 * (a + b + c):
+            break
+    return t
+
+
+@compiled
+def length(v: Vector) -> float:
+    """|v|."""
+    return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2])
