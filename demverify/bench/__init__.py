@@ -4,7 +4,8 @@ A scene module has
 
     TITLE        what moves, as on the page
     MEASURES     what the errors are of, in words
-    problems(quick) -> tuple[Problem, ...]: see `_contenders`. A problem is one contact law, so one solution; its contenders are judged against it
+    problems(quick) -> tuple[Problem, ...]: see `_contenders`. A problem is one contact law, so one solution; its contenders are judged against it.
+                 quick: few steps and, where every further law is a loop to compile, few contenders
     findings(quick, progress) -> tuple[Finding, ...]   (optional) what the scene shows besides
 
 Decks are inputs/bench/<scene, with hyphens>/in.lammps and in.liggghts, with variables for the step, `dt`, and the number of `steps`: they are what
