@@ -1,9 +1,19 @@
-"""Contact of two bodies as LIGGGHTS defines it: at the point p where both potentials are equal and their gradients opposite,
+"""Contact of two bodies, at the point p where two convex functions are equal and their gradients opposite: where the larger of them is least.
 
-    grad fi + mu grad fj = 0,  fi = fj;   contact where fi < 0;   n = (grad fj - grad fi)/|...|, from j to i;   overlap: the chord through p along n
+    grad i + mu grad j = 0,  i = j
 
-Here p is converged to rounding, where LIGGGHTS ends at an angle of 1e-5. p is where max(fi, fj) is least, and both are convex: there is one.
-Newton from a guess, damped where it does not descend; from the bodies' spheres, whose exponents then grow, where there is none.
+POTENTIAL: of LIGGGHTS' functions f. Contact where they are below 0; normal along grad j - grad i, overlap the chord through p along it. LIGGGHTS ends
+its iteration at an angle of 1e-5, here p is converged to rounding. The force along this normal has no energy of which it is the gradient.
+
+GAUGE: of the factors G by which each body grows to reach p. Both grown by G = lam at p touch each other there. The overlap is (1 - lam) L with
+a length L of the pair, and a force that derives from an energy U(overlap) acts at p along the normal, with
+
+    -dU/dx_i = U' L lam/(h_i + h_j) n,    h: distances of the tangent planes at p, of the grown bodies, from the centres
+
+(Perram & Wertheim 1985, doi:10.1016/0021-9991(85)90171-8, for ellipsoids). For spheres, with L the sum of the radii, it is their overlap.
+It has a solution as long as the centres are apart; POTENTIAL has none where a centre lies too deep in the other body.
+
+Newton from a guess, damped where it does not descend; from spheres, which become the bodies step by step, where there is none.
 """
 
 from __future__ import annotations
@@ -12,8 +22,9 @@ from math import sqrt
 
 from demsolver.rotation._algebra import Vector, compiled, to_space
 from demsolver.superquadric import Body
-from demsolver.superquadric.surface import Symmetric, curve, in_space, leaves, seen, slope
+from demsolver.superquadric.surface import Symmetric, curve, gauge, gauge_curve, in_space, leaves, seen, slope
 
+POTENTIAL, GAUGE = 0, 1
 CLOSE = 1e-14
 """Of the sum of the squares of what is not yet 0: angle of the gradients, and mismatch of the potentials as a length over the body's size."""
 MOST = 60
@@ -21,11 +32,22 @@ SMALLEST_DAMPING = 1e-12
 
 
 @compiled
-def _both(p: Vector, i: Body, j: Body) -> tuple[float, float, Vector, Vector]:
-    """Potentials, and gradients in space."""
-    fi, gi = slope(seen(p, i), i)
-    fj, gj = slope(seen(p, j), j)
+def _both(p: Vector, i: Body, j: Body, kind: int) -> tuple[float, float, Vector, Vector]:
+    """Both functions, and their gradients in space."""
+    if kind == GAUGE:
+        fi, gi = gauge(seen(p, i), i)
+        fj, gj = gauge(seen(p, j), j)
+    else:
+        fi, gi = slope(seen(p, i), i)
+        fj, gj = slope(seen(p, j), j)
     return fi, fj, to_space(i.q, gi), to_space(j.q, gj)
+
+
+@compiled
+def _bend(p: Vector, body: Body, kind: int) -> Symmetric:
+    """Second derivatives in space."""
+    u = seen(p, body)
+    return in_space(gauge_curve(u, body) if kind == GAUGE else curve(u, body), body)
 
 
 @compiled
@@ -64,16 +86,16 @@ def _dot(a: Vector, b: Vector) -> float:
 
 
 @compiled
-def newton(p: Vector, i: Body, j: Body) -> tuple[Vector, bool, int]:
-    """The point of equal potentials from a guess; whether it was found, and steps taken."""
+def newton(p: Vector, i: Body, j: Body, kind: int) -> tuple[Vector, bool, int]:
+    """The point p from a guess; whether it was found, and steps taken. kind: POTENTIAL or GAUGE."""
     scale = min(i.axes[0], i.axes[1], i.axes[2], j.axes[0], j.axes[1], j.axes[2])
-    fi, fj, gi, gj = _both(p, i, j)
+    fi, fj, gi, gj = _both(p, i, j, kind)
     off, damping, steps = _off(fi, fj, gi, gj, scale), 0.0, 0
     while steps < MOST:
         if off < CLOSE * CLOSE:
             return p, True, steps
         steps += 1
-        hi, hj = in_space(curve(seen(p, i), i), i), in_space(curve(seen(p, j), j), j)
+        hi, hj = _bend(p, i, kind), _bend(p, j, kind)
         mu = _size(gi) / max(_size(gj), 1e-300)
         h = (
             hi[0] + mu * hj[0], hi[1] + mu * hj[1], hi[2] + mu * hj[2], hi[3] + mu * hj[3], hi[4] + mu * hj[4], hi[5] + mu * hj[5],
@@ -96,7 +118,7 @@ def newton(p: Vector, i: Body, j: Body) -> tuple[Vector, bool, int]:
                 part = scale / way
             for _ in range(4):
                 q = p[0] - part * move[0], p[1] - part * move[1], p[2] - part * move[2]
-                new_fi, new_fj, new_gi, new_gj = _both(q, i, j)
+                new_fi, new_fj, new_gi, new_gj = _both(q, i, j, kind)
                 new = _off(new_fi, new_fj, new_gi, new_gj, scale)
                 if new < off:
                     better = True
@@ -123,8 +145,8 @@ def _grown(body: Body, radius: float, part: float) -> Body:
 
 
 @compiled
-def afresh(i: Body, j: Body) -> tuple[Vector, bool, int]:
-    """The point of equal potentials without a guess: from two spheres, which become the bodies step by step."""
+def afresh(i: Body, j: Body, kind: int) -> tuple[Vector, bool, int]:
+    """The point p without a guess: from two spheres, which become the bodies step by step. kind: POTENTIAL or GAUGE."""
     ri, rj = (i.axes[0] * i.axes[1] * i.axes[2]) ** (1.0 / 3.0), (j.axes[0] * j.axes[1] * j.axes[2]) ** (1.0 / 3.0)
     part = ri / (ri + rj)
     p = (
@@ -133,18 +155,31 @@ def afresh(i: Body, j: Body) -> tuple[Vector, bool, int]:
     count = max(8, int(max(i.n1, i.n2, j.n1, j.n2)))
     found, steps = True, 0
     for k in range(1, count + 1):
-        p, found, more = newton(p, _grown(i, ri, k / count), _grown(j, rj, k / count))
+        p, found, more = newton(p, _grown(i, ri, k / count), _grown(j, rj, k / count), kind)
         steps += more
     return p, found, steps
 
 
 @compiled
-def touch(p: Vector, i: Body, j: Body) -> tuple[float, Vector]:
+def chord(p: Vector, i: Body, j: Body) -> tuple[float, Vector]:
     """Overlap at the point of equal potentials p, 0 where they do not touch, and unit normal from j to i."""
-    fi, fj, gi, gj = _both(p, i, j)
+    fi, fj, gi, gj = _both(p, i, j, POTENTIAL)
     n = gj[0] - gi[0], gj[1] - gi[1], gj[2] - gi[2]
     size = _size(n)
     n = n[0] / size, n[1] / size, n[2] / size
     if max(fi, fj) >= 0.0:
         return 0.0, n
     return leaves(p, (-n[0], -n[1], -n[2]), i) + leaves(p, n, j), n
+
+
+@compiled
+def grown(p: Vector, i: Body, j: Body) -> tuple[float, float, Vector]:
+    """lam, by which both bodies grow to touch each other at p (below 1: they overlap), lam/(h_i + h_j), and unit normal from j to i."""
+    fi, fj, gi, gj = _both(p, i, j, GAUGE)
+    n = gj[0] - gi[0], gj[1] - gi[1], gj[2] - gi[2]
+    size = _size(n)
+    n = n[0] / size, n[1] / size, n[2] / size
+    lam = sqrt(0.5 * (fi + fj) + 1.0)
+    # |grad G| = |grad G^2|/(2 G) = 1/h for a function of first degree
+    a, b = _size(gi) / (2.0 * lam), _size(gj) / (2.0 * lam)
+    return lam, a * b / (a + b), n

@@ -40,8 +40,8 @@ def value(u: Vector, body: Body) -> float:
 
 
 @compiled
-def slope(u: Vector, body: Body) -> tuple[float, Vector]:
-    """f and its gradient at u, along the body axes."""
+def plain(u: Vector, body: Body) -> tuple[float, Vector]:
+    """f/k + 1, which is 0 at the centre and 1 on the surface, and its gradient at u, along the body axes."""
     (a, b, c), n1, n2 = body.axes, body.n1, body.n2
     x, y, z = abs(u[0]) / a, abs(u[1]) / b, abs(u[2]) / c
     px, py, pz = power(x, n2 - 1.0), power(y, n2 - 1.0), power(z, n1 - 1.0)
@@ -49,10 +49,16 @@ def slope(u: Vector, body: Body) -> tuple[float, Vector]:
     outer = 1.0
     if n1 != n2:
         outer = across ** (n1 / n2 - 1.0) if across > 0.0 else 0.0
-    part = body.scale * n1
-    gx, gy, gz = part * outer * px / a, part * outer * py / b, part * pz / c
-    f = body.scale * (outer * across + pz * z - 1.0)
+    gx, gy, gz = n1 * outer * px / a, n1 * outer * py / b, n1 * pz / c
+    f = outer * across + pz * z
     return f, (gx if u[0] >= 0.0 else -gx, gy if u[1] >= 0.0 else -gy, gz if u[2] >= 0.0 else -gz)
+
+
+@compiled
+def slope(u: Vector, body: Body) -> tuple[float, Vector]:
+    """f and its gradient at u, along the body axes."""
+    f, g = plain(u, body)
+    return body.scale * (f - 1.0), (body.scale * g[0], body.scale * g[1], body.scale * g[2])
 
 
 @compiled
@@ -73,6 +79,32 @@ def curve(u: Vector, body: Body) -> Symmetric:
     xy = part * inner * dx * x * dy * y / (a * b)
     zz = part * (n1 - 1.0) * power(z, n1 - 2.0) / (c * c)
     return xx, yy, zz, xy if (u[0] >= 0.0) == (u[1] >= 0.0) else -xy, 0.0, 0.0
+
+
+@compiled
+def gauge(u: Vector, body: Body) -> tuple[float, Vector]:
+    """G^2 - 1 and its gradient, where G is the factor by which the body grows to reach u: (f/k + 1)^(2/n1) - 1. Convex, of second degree in u."""
+    f, g = plain(u, body)
+    if not f > 0.0:
+        return -1.0, (0.0, 0.0, 0.0)
+    square = f ** (2.0 / body.n1)
+    part = 2.0 / body.n1 * square / f
+    return square - 1.0, (part * g[0], part * g[1], part * g[2])
+
+
+@compiled
+def gauge_curve(u: Vector, body: Body) -> Symmetric:
+    """Second derivatives of G^2, along the body axes."""
+    f, g = plain(u, body)
+    h = curve(u, body)
+    f = max(f, 1e-300)
+    part = 2.0 / body.n1 * f ** (2.0 / body.n1 - 1.0)
+    more = part * (2.0 / body.n1 - 1.0) / f
+    part /= body.scale
+    return (
+        part * h[0] + more * g[0] * g[0], part * h[1] + more * g[1] * g[1], part * h[2] + more * g[2] * g[2],
+        part * h[3] + more * g[0] * g[1], more * g[0] * g[2], more * g[1] * g[2],
+    )  # fmt: skip
 
 
 @compiled

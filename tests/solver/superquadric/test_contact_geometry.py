@@ -15,16 +15,10 @@ from demsolver.shapes.rotation import matrix
 from demsolver.superquadric import Body, Floats, body, bounding_radius, pairs, planes, surface
 from demverify.formats.dump import read_dump
 from demverify.frames import Frame
+from tests.support.superquadrics import drawn, near
 
 DATA = Path(__file__).parents[2] / "data/superquadric"
 PLANE_STRAIN = 1e7 / (2.0 * (1.0 - 0.3**2))  # of two alike, E = 1e7, nu = 0.3
-EXPONENTS = (2.0, 2.5, 3.0, 4.0, 6.0, 8.0, 10.0)
-
-
-def drawn(rng: np.random.Generator, x: Floats) -> Body:
-    """A body of any orientation, aspect ratios up to 5."""
-    q = rng.normal(size=4)
-    return body(x, q / np.linalg.norm(q), rng.uniform(0.01, 0.05, 3), rng.choice(EXPONENTS, 2))
 
 
 def by_definition(p: Floats, one: Body) -> float:
@@ -66,23 +60,12 @@ def test_the_support_point_is_on_the_surface_and_farthest(seed: int) -> None:
     assert (points @ d).max() <= p @ d + 1e-12
 
 
-def near(seed: int) -> tuple[Body, Body]:
-    """Two bodies whose surfaces overlap by about a tenth of the smallest semi-axis, on a line between their centres."""
-    rng = np.random.default_rng(seed)
-    i, way = drawn(rng, np.zeros(3)), rng.normal(size=3)
-    way /= np.linalg.norm(way)
-    j = drawn(rng, np.zeros(3))
-    reach = surface.leaves((0.0, 0.0, 0.0), tuple(way), i) + surface.leaves((0.0, 0.0, 0.0), tuple(-way), j)
-    apart = reach - 0.1 * min(*i.axes, *j.axes)
-    return i, Body(tuple(apart * way), *j[1:])
-
-
 @settings(max_examples=60, deadline=None)
 @given(st.integers(0, 10_000))
 def test_the_point_of_equal_potentials(seed: int) -> None:
     """Law: it is where the larger of both potentials is least, as a minimiser of another kind finds too; there they are equal."""
     i, j = near(seed)
-    p, found, _ = pairs.afresh(i, j)
+    p, found, _ = pairs.afresh(i, j, pairs.POTENTIAL)
     assert found
     f = by_definition(np.array(p), i), by_definition(np.array(p), j)
     size = max(abs(f[0]), abs(f[1]))
@@ -99,13 +82,13 @@ def test_the_point_of_equal_potentials(seed: int) -> None:
 def test_a_guess_changes_nothing(seed: int) -> None:
     """Law: from a guess off by a thousandth of a body, and with the bodies in the other order, point, overlap and normal are the same."""
     i, j = near(seed)
-    p, _, cold = pairs.afresh(i, j)
-    q, found, warm = pairs.newton(tuple(np.array(p) + 3e-5 * np.random.default_rng(seed).normal(size=3)), i, j)
-    r, back, _ = pairs.afresh(j, i)
+    p, _, cold = pairs.afresh(i, j, pairs.POTENTIAL)
+    q, found, warm = pairs.newton(tuple(np.array(p) + 3e-5 * np.random.default_rng(seed).normal(size=3)), i, j, pairs.POTENTIAL)
+    r, back, _ = pairs.afresh(j, i, pairs.POTENTIAL)
     assert found
     assert back
     assert warm <= cold
-    (overlap, n), (again, m), (turned, o) = pairs.touch(p, i, j), pairs.touch(q, i, j), pairs.touch(r, j, i)
+    (overlap, n), (again, m), (turned, o) = pairs.chord(p, i, j), pairs.chord(q, i, j), pairs.chord(r, j, i)
     assert overlap > 0.0
     assert again == pytest.approx(overlap, rel=1e-7)
     assert turned == pytest.approx(overlap, rel=1e-7)
@@ -117,8 +100,8 @@ def test_spheres_are_spheres() -> None:
     """Law: of equal axes the overlap is that of spheres, the normal along the centres, and the point divides it as the radii."""
     upright, round_ = np.array([1.0, 0.0, 0.0, 0.0]), np.full(2, 2.0)
     i, j = body(np.zeros(3), upright, np.full(3, 0.02), round_), body(np.array([0.0, 0.03, 0.04]), upright, np.full(3, 0.0305), round_)
-    p, found, _ = pairs.afresh(i, j)
-    overlap, n = pairs.touch(p, i, j)
+    p, found, _ = pairs.afresh(i, j, pairs.POTENTIAL)
+    overlap, n = pairs.chord(p, i, j)
     assert found
     assert overlap == pytest.approx(0.0005, rel=1e-9)
     assert n == pytest.approx((0.0, -0.6, -0.8), abs=1e-12)
@@ -149,9 +132,9 @@ def actions(frame: Frame, name: str) -> tuple[Floats, Floats]:
             pull, feel = hertz(r[k], max(overlap, 0.0), PLANE_STRAIN) * np.array(n), [(k, 1.0)]
         elif k % 2 == 0:
             other = found[k + 1]
-            p, converged, _ = pairs.afresh(one, other)
+            p, converged, _ = pairs.afresh(one, other, pairs.POTENTIAL)
             assert converged
-            overlap, n = pairs.touch(p, one, other)
+            overlap, n = pairs.chord(p, one, other)
             pull, feel = hertz(r[k] * r[k + 1] / (r[k] + r[k + 1]), overlap, PLANE_STRAIN) * np.array(n), [(k, 1.0), (k + 1, -1.0)]
         else:
             continue
