@@ -39,7 +39,7 @@ class Planes:
 
 @dataclass(frozen=True)
 class Shaped:
-    """Bodies. x, v, angmom, omega: (n, 3) in space. quat: (n, 4) w x y z. shape, inertia: (n, 3) semi-axes, moments. blockiness: (n, 2). mass: (n,)."""
+    """Bodies. x, v, angmom, omega: (n, 3) in space. quat: (n, 4) w x y z. shape, inertia: (n, 3) semi-axes, moments. blockiness: (n, 2)."""
 
     x: Floats
     v: Floats
