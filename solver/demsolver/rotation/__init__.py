@@ -60,7 +60,7 @@ def freely(name: str, state: Turning, inertia: Floats, dt: float, steps: int) ->
 
 @cache
 def _loop(name: str) -> Any:
-    from demsolver.rotation._algebra import compiled
+    from demsolver.algebra import compiled
 
     first, second = scheme(name).first, scheme(name).second
 

@@ -18,7 +18,7 @@ from math import cos, sin, sqrt
 
 import numpy as np
 
-from demsolver.rotation._algebra import Quat, Vector, compiled, normalised, product, pushed, spin_of, to_body
+from demsolver.algebra import Quat, Vector, compiled, normalised, product, pushed, spin_of, to_body
 
 PART, SHORT, SHORTER = 0.25, 0.03, 3e-4
 """Longest part of a step, in u, for seven, four and two points: the nearest pole of dn is K(k') >= pi/2 off, so that n points leave an error of about

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from math import sqrt
 
-from demsolver.rotation._algebra import Quat, Vector, compiled, to_body, to_space, turned_in_body
+from demsolver.algebra import Quat, Vector, compiled, to_body, to_space, turned_in_body
 
 CLOSE = 1e-15
 """Of the spin: iteration ends. LIGGGHTS ends at 1e-12, which with its factor of |omega| dt/4 an iteration is the same to rounding."""

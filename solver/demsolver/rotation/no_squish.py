@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from math import cos, sin
 
-from demsolver.rotation._algebra import Quat, Vector, compiled, normalised, product, pushed, spin_of, to_body, to_space
+from demsolver.algebra import Quat, Vector, compiled, normalised, product, pushed, spin_of, to_body, to_space
 
 
 @compiled

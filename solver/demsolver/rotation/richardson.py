@@ -5,7 +5,7 @@ Order 2; keeps the angular momentum in space, the energy drifts with t dt^3.
 
 from __future__ import annotations
 
-from demsolver.rotation._algebra import Quat, Vector, compiled, normalised, pushed, spin_of, turned_by
+from demsolver.algebra import Quat, Vector, compiled, normalised, pushed, spin_of, turned_by
 
 
 @compiled

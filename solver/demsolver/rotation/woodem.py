@@ -5,7 +5,7 @@ The spin of the whole step is taken from the angular momentum along the body axe
 
 from __future__ import annotations
 
-from demsolver.rotation._algebra import Quat, Vector, compiled, pushed, to_body, to_space, turned_in_body
+from demsolver.algebra import Quat, Vector, compiled, pushed, to_body, to_space, turned_in_body
 
 
 @compiled

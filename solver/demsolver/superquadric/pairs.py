@@ -20,7 +20,7 @@ from __future__ import annotations
 
 from math import sqrt
 
-from demsolver.rotation._algebra import Vector, compiled, to_space
+from demsolver.algebra import Vector, compiled, dot, length, to_space
 from demsolver.superquadric import Body
 from demsolver.superquadric.surface import Symmetric, curve, gauge, gauge_curve, in_space, leaves, seen, slope
 
@@ -51,14 +51,9 @@ def _bend(p: Vector, body: Body, kind: int) -> Symmetric:
 
 
 @compiled
-def _size(v: Vector) -> float:
-    return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2])
-
-
-@compiled
 def _off(fi: float, fj: float, gi: Vector, gj: Vector, scale: float) -> float:
     """What is not yet 0, squared: gi/|gi| + gj/|gj|, and (fi - fj)/(|gi| + |gj|) over a length."""
-    a, b = _size(gi), _size(gj)
+    a, b = length(gi), length(gj)
     if not (a > 0.0 and b > 0.0):
         return 1e300
     x, y, z = gi[0] / a + gj[0] / b, gi[1] / a + gj[1] / b, gi[2] / a + gj[2] / b
@@ -81,11 +76,6 @@ def _solved(h: Symmetric, damping: float, r: Vector) -> Vector:
 
 
 @compiled
-def _dot(a: Vector, b: Vector) -> float:
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-
-
-@compiled
 def newton(p: Vector, i: Body, j: Body, kind: int) -> tuple[Vector, bool, int]:
     """The point p from a guess; whether it was found, and steps taken. kind: POTENTIAL or GAUGE."""
     scale = min(i.axes[0], i.axes[1], i.axes[2], j.axes[0], j.axes[1], j.axes[2])
@@ -96,7 +86,7 @@ def newton(p: Vector, i: Body, j: Body, kind: int) -> tuple[Vector, bool, int]:
             return p, True, steps
         steps += 1
         hi, hj = _bend(p, i, kind), _bend(p, j, kind)
-        mu = _size(gi) / max(_size(gj), 1e-300)
+        mu = length(gi) / max(length(gj), 1e-300)
         h = (
             hi[0] + mu * hj[0], hi[1] + mu * hj[1], hi[2] + mu * hj[2], hi[3] + mu * hj[3], hi[4] + mu * hj[4], hi[5] + mu * hj[5],
         )  # fmt: skip
@@ -107,10 +97,10 @@ def newton(p: Vector, i: Body, j: Body, kind: int) -> tuple[Vector, bool, int]:
         for _ in range(40):
             s = _solved(h, damping * stiff, wrong)
             w = _solved(h, damping * stiff, gj)
-            share = (fi - fj - _dot(apart, s)) / _dot(apart, w)
+            share = (fi - fj - dot(apart, s)) / dot(apart, w)
             move = s[0] + share * w[0], s[1] + share * w[1], s[2] + share * w[2]
             part = 1.0
-            way = _size(move)
+            way = length(move)
             if not way < 1e300:
                 damping = max(4.0 * damping, 1e-6)
                 continue
@@ -165,7 +155,7 @@ def chord(p: Vector, i: Body, j: Body) -> tuple[float, Vector]:
     """Overlap at the point of equal potentials p, 0 where they do not touch, and unit normal from j to i."""
     fi, fj, gi, gj = _both(p, i, j, POTENTIAL)
     n = gj[0] - gi[0], gj[1] - gi[1], gj[2] - gi[2]
-    size = _size(n)
+    size = length(n)
     n = n[0] / size, n[1] / size, n[2] / size
     if max(fi, fj) >= 0.0:
         return 0.0, n
@@ -177,9 +167,9 @@ def grown(p: Vector, i: Body, j: Body) -> tuple[float, float, Vector]:
     """lam, by which both bodies grow to touch each other at p (below 1: they overlap), lam/(h_i + h_j), and unit normal from j to i."""
     fi, fj, gi, gj = _both(p, i, j, GAUGE)
     n = gj[0] - gi[0], gj[1] - gi[1], gj[2] - gi[2]
-    size = _size(n)
+    size = length(n)
     n = n[0] / size, n[1] / size, n[2] / size
     lam = sqrt(0.5 * (fi + fj) + 1.0)
     # |grad G| = |grad G^2|/(2 G) = 1/h for a function of first degree
-    a, b = _size(gi) / (2.0 * lam), _size(gj) / (2.0 * lam)
+    a, b = length(gi) / (2.0 * lam), length(gj) / (2.0 * lam)
     return lam, a * b / (a + b), n

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from demsolver.rotation._algebra import Vector, compiled, to_body, to_space
+from demsolver.algebra import Vector, compiled, to_body, to_space
 from demsolver.superquadric import Body
 from demsolver.superquadric.surface import power
 

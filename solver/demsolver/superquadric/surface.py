@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from math import sqrt
-
-from demsolver.rotation._algebra import Vector, compiled, to_body, to_space
+from demsolver.algebra import Vector, compiled, to_body, to_space
 from demsolver.superquadric import Body
 
 Symmetric = tuple[float, float, float, float, float, float]
@@ -149,9 +147,3 @@ def leaves(p: Vector, d: Vector, body: Body) -> float:
         if not abs(step) > 1e-15 * (a + b + c):
             break
     return t
-
-
-@compiled
-def length(v: Vector) -> float:
-    """|v|."""
-    return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2])

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from scipy.optimize import minimize
 
 from demsolver import rotation
-from demsolver.rotation._algebra import compiled
+from demsolver.algebra import compiled
 from demsolver.rotation.exact import first, second
 from demsolver.shapes import superquadric
 from demsolver.shapes.rotation import matrix

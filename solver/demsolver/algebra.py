@@ -78,3 +78,15 @@ def spin_of(q: Quat, angmom: Vector, inertia: Vector) -> Vector:
 def pushed(v: Vector, force: Vector, h: float) -> Vector:
     """v + h force."""
     return v[0] + h * force[0], v[1] + h * force[1], v[2] + h * force[2]
+
+
+@compiled
+def dot(a: Vector, b: Vector) -> float:
+    """a.b."""
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+@compiled
+def length(v: Vector) -> float:
+    """|v|."""
+    return sqrt(dot(v, v))
