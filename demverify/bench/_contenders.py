@@ -42,12 +42,14 @@ Solve = Callable[[int], tuple[list[State], float]]
 
 @dataclass(frozen=True)
 class Measure:
-    """One error. name: what it is of. short: for axes. energy: whether it is that of the energy."""
+    """One error. name: what it is of. short: for axes. energy: whether it is that of the energy. scatter: () -> by how much it differs from run to
+    run by chance, relative, and the longest step, in units, from which on nothing else is expected; None where chance has no part."""
 
     name: str
     short: str
     error: Error
     energy: bool = False
+    scatter: Callable[[], tuple[float, float]] | None = None
 
 
 @dataclass(frozen=True)

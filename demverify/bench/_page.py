@@ -22,6 +22,7 @@ from demverify.studies import Claim, Figure, Finding, Progress, Study, Table
 TARGETS = (1e-2, 1e-4, 1e-6)
 LARGE = 0.1  # of the unit of the step: what counts as a large step
 LEEWAY = 0.2  # of an order: what the phases of the steps leave after a mean over few of them
+BY_CHANCE = 5.0  # scatters, known from eight runs: by Student's t one of eighty draws goes beyond in a study of twenty
 LOWEST, HIGHEST = 1e-17, 1.0  # errors as they are drawn
 SOURCE = "Of this project: closed forms and computed solutions, as each section says; docs/accuracy.md."
 
@@ -76,7 +77,6 @@ _READINGS = (
     "row is chosen, its interval holds the order of made-up errors in 91 of 100 cases."),
     ("The native solver runs with its guard on, which is told to go on whatever it finds. A run that ends in no numbers, or off by more than the "
     "whole, has no point."),
-    "Not among the scenes: a free asymmetric top, for only spheres move yet, and a settling bed.",
 )
 
 
@@ -116,6 +116,8 @@ def claims_of(judged: Judged, orders: Sequence[Order | None]) -> tuple[Claim, ..
         _order_claim(row.contender, short, order, judged.problem)
         for row, order in zip(judged.rows, orders, strict=True) if short in row.contender.orders
     ]  # fmt: skip
+    if judged.measure.scatter:
+        claims += [_scatter_claim(judged, row, *judged.measure.scatter()) for row in judged.rows]
     if judged.measure.energy:
         claims += [_front_claim(judged, row) for row in judged.rows if row.contender.exact]
     return tuple(claims)
@@ -128,6 +130,14 @@ def _order_claim(contender: Contender, short: str, order: Order | None, problem:
     if order is None:
         return Claim(states, "Too few steps with an error that is small and not yet rounding.", False, why)
     return Claim(states, f"Order {order_text(order)}, over steps of {range_text(order, problem)}.", order.within(expected, LEEWAY), why)
+
+
+def _scatter_claim(judged: Judged, row: Row, scatter: float, share: float) -> Claim:
+    errors = row.errors(judged.k)[row.steps <= share * judged.problem.unit * 1.001]
+    unit = judged.problem.unit_name
+    states = f"{row.contender.name}: at steps of {share:.2g} of {unit} and less it is off by chance alone, by {BY_CHANCE:g} scatters at most."
+    most = float(errors.max()) / scatter
+    return Claim(states, f"By {most:.2g} at most, of {100.0 * scatter:.2g} % each.", bool(most <= BY_CHANCE))
 
 
 def order_text(order: Order) -> str:

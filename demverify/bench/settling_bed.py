@@ -78,14 +78,21 @@ def problems(quick: bool) -> tuple[Problem, ...]:
 
 
 def _problem(contenders: tuple[Contender, ...], shares: tuple[float, ...], quick: bool) -> Problem:
-    measures = (
-        Measure("height of the centre of mass, relative", "height", partial(error, figure=0, quick=quick)),
-        Measure("contacts a sphere, relative", "contacts", partial(error, figure=1, quick=quick)),
-    )
+    names = (("height of the centre of mass, relative", "height"), ("contacts a sphere, relative", "contacts"))
+    measures = tuple(
+        Measure(name, short, partial(error, figure=k, quick=quick), scatter=None if quick else partial(by_chance, k))
+        for k, (name, short) in enumerate(names)
+    )  # fmt: skip
     return Problem(
         "settling-bed", "Linear spring, dashpot and friction", {"kn": repr(KN)}, DURATION, CONTACT, "a contact time", shares, measures, contenders,
         "the mean of runs at 80 and more steps a contact, which scatter.", convergence=partial(scatter, quick),
     )  # fmt: skip
+
+
+def by_chance(figure: int) -> tuple[float, float]:
+    """Of a figure: standard deviation of a run from the mean of those of the reference, relative; and the longest step that leaves it at that."""
+    found = reference(False)[:, figure]
+    return float(found.std(ddof=1) / found.mean() * sqrt(1.0 + 1.0 / len(found))), 1.0 / 4.5
 
 
 def scatter(quick: bool) -> tuple[tuple[str, float], ...]:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -22,6 +24,17 @@ def judged(*rows: tuple[Contender, np.ndarray, float]) -> Judged:
         for one, errors, cost in rows
     ]
     return Judged(problem, made, 0)
+
+
+@pytest.mark.parametrize(("size", "came_out"), [(4.0, True), (6.0, False)])
+def test_what_chance_does_is_told_from_what_it_does_not(size: float, came_out: bool) -> None:
+    """Law: off by four scatters is chance, by six it is not; at steps that are longer than those it is said of anything may be."""
+    of = judged((Contender("one", 0), np.where(STEPS > 0.05, 1.0, 0.01 * size), 1e-6))
+    measure = Measure("height", "height", lambda scene, states: 0.0, scatter=lambda: (0.01, 0.05))
+    of = replace(of, problem=replace(of.problem, measures=(measure,)))
+    (claim,) = claims_of(of, of.orders())
+    assert claim.came_out is came_out
+    assert "of 1 % each" in claim.found
 
 
 @pytest.mark.parametrize(("power", "came_out"), [(2.0, True), (1.9, True), (1.0, False), (3.0, False)])
