@@ -2,9 +2,10 @@
 
     surface     the function, its gradient and second derivatives; where a line leaves the body
     planes      contact with a plane, in closed form
-    pairs       contact of two bodies as LIGGGHTS defines it: the point of equal potentials, the chord along the gradient
+    pairs       contact of two bodies: as LIGGGHTS defines it, and one whose force derives from an energy
+    reference   a plain engine in Python
 
-All of it for one body or pair, as tuples, compiled; bodies as `Body`.
+Geometry is for one body or pair, as tuples, compiled; bodies as `Body`.
 """
 
 from __future__ import annotations

@@ -117,10 +117,10 @@ def newton(p: Vector, i: Body, j: Body, kind: int) -> tuple[Vector, bool, int]:
             if better:
                 break
             if way < 1e-15 * scale:
-                return p, off < 1e4 * CLOSE * CLOSE, steps
+                break
             damping = max(8.0 * damping, 1e-6)
         if not better:
-            return p, off < 1e4 * CLOSE * CLOSE, steps
+            break
         damping = 0.25 * damping if damping > SMALLEST_DAMPING else 0.0
         p, fi, fj, gi, gj, off = q, new_fi, new_fj, new_gi, new_gj, new
     return p, off < 1e4 * CLOSE * CLOSE, steps
@@ -170,6 +170,6 @@ def grown(p: Vector, i: Body, j: Body) -> tuple[float, float, Vector]:
     size = length(n)
     n = n[0] / size, n[1] / size, n[2] / size
     lam = sqrt(0.5 * (fi + fj) + 1.0)
-    # |grad G| = |grad G^2|/(2 G) = 1/h for a function of first degree
+    # |grad G| = |grad G^2|/(2 G), which is lam/h for a function of first degree
     a, b = length(gi) / (2.0 * lam), length(gj) / (2.0 * lam)
     return lam, a * b / (a + b), n
