@@ -9,7 +9,8 @@ A scene module has
     findings(quick, progress) -> tuple[Finding, ...]   (optional) what the scene shows besides
 
 Decks are inputs/bench/<scene, with hyphens>/in.lammps and in.liggghts, with variables for the step, `dt`, and the number of `steps`: they are what
-all contenders run (a scene has those of the engines that contend), the native solver under other laws and integrators too. A module whose name starts with an underscore is no scene.
+all contenders run (a scene has those of the engines that contend), the native solver under other laws and integrators too. A module whose name
+starts with an underscore is no scene.
 
 `demverify bench accuracy` writes a page for each: DIR/<scene>/report.html with its pictures, numbers.json and numbers.h5.
 """
