@@ -19,8 +19,9 @@ VERLET, EULER, GRADIENT, MENDED = "velocity Verlet", "semi-implicit Euler", "dis
 def euler(scene: Scene) -> Scene:
     """By semi-implicit Euler."""
     from demsolver import EulerSphere
+    from demsolver.state import factor_of
 
-    return replace(scene, integrate=tuple(EulerSphere(one.bit, one.inertia) for one in scene.integrate))
+    return replace(scene, integrate=tuple(EulerSphere(one.bit, factor_of(one)) for one in scene.integrate))
 
 
 def gradient(scene: Scene) -> Scene:

@@ -9,7 +9,7 @@ from demverify.deck.lexer import read_text
 from demverify.deck.setup import Dialect
 
 _LIGGGHTS = re.compile(
-    r"^\s*(atom_style\s+(granular|hybrid\s+granular)|pair_style\s+gran\s|communicate\s|fix\s+\S+\s+\S+\s+(property/global|check/timestep/gran|mesh/)"
+    r"^\s*(atom_style\s+(granular|superquadric|hybrid\s+granular)|pair_style\s+gran\s|communicate\s|fix\s+\S+\s+\S+\s+(property/global|check/timestep/gran|mesh/)"
     r"|(soft_particles|hard_particles|coarsegraining)\s|fix\s.*wall/gran\s+model\s)",
     re.MULTILINE,
 )

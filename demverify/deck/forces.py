@@ -8,7 +8,7 @@ from math import cos, pi, sin, sqrt
 import numpy as np
 
 from demsolver.expression import Expression, Number
-from demsolver.scene import AddForce, Enforce2D, EulerSphere, Force, Freeze, Gravity, NveSphere, SetForce, Viscous
+from demsolver.scene import AddForce, Enforce2D, EulerSphere, Force, Freeze, Gravity, Integrator, NveSphere, NveSuperquadric, SetForce, Viscous
 from demverify.deck.materials_common import Words, group_bit
 from demverify.deck.setup import Setup, Spec
 from demverify.errors import InputError
@@ -118,18 +118,36 @@ def _component(setup: Setup, spec: Spec, word: str) -> Expression:
     return found
 
 
+SCHEMES = ("richardson", "no_squish", "midpoint", "woodem")
+"""LIGGGHTS' integration_scheme 0 to 3."""
+
+
+def superquadric_integrator(setup: Setup, spec: Spec) -> NveSuperquadric:
+    """fix nve/superquadric [integration_scheme 0|1|2|3]; 1 where nothing is said."""
+    words = _words(spec)
+    scheme = 1
+    while words:
+        words.choice("keyword", ("integration_scheme",))
+        scheme = words.integer("integration_scheme", 0, len(SCHEMES) - 1)
+    if setup.atom_style != "superquadric":
+        raise words.error("needs atom_style superquadric")
+    return NveSuperquadric(group_bit(setup, spec), SCHEMES[scheme])
+
+
 def integrator(setup: Setup, spec: Spec) -> NveSphere | EulerSphere:
     """fix nve/sphere [disc]: discs, I = m R^2/2, are what LIGGGHTS takes in two dimensions (measured) and LAMMPS when asked.
 
     fix euler/sphere [disc], of the native engine alone: semi-implicit Euler."""
     words = _words(spec)
+    if setup.atom_style == "superquadric":
+        raise words.error("moves spheres: superquadrics need fix nve/superquadric")
     disc = setup.dialect == "liggghts" and setup.dimension == 2
     while words:
         words.choice("keyword", ("disc",) if setup.dialect == "lammps" else ())
         if setup.dimension != 2:
             raise words.error("disc needs dimension 2")
         disc = True
-    return INTEGRATORS[spec.style](group_bit(setup, spec), 0.5 if disc else 0.4)
+    return (NveSphere if spec.style == "nve/sphere" else EulerSphere)(group_bit(setup, spec), 0.5 if disc else 0.4)
 
 
 FORCES: dict[str, Callable[[Setup, Spec], Force]] = {
@@ -140,5 +158,9 @@ FORCES: dict[str, Callable[[Setup, Spec], Force]] = {
     "viscous": viscous,
     "addforce": addforce,
 }
-INTEGRATORS: dict[str, type[NveSphere | EulerSphere]] = {"nve/sphere": NveSphere, "euler/sphere": EulerSphere}
-CHECKS: dict[str, Callable[[Setup, Spec], object]] = {**FORCES, "addforce": _added_words, **dict.fromkeys(INTEGRATORS, integrator)}
+INTEGRATORS: dict[str, Callable[[Setup, Spec], Integrator]] = {
+    "nve/sphere": integrator,
+    "euler/sphere": integrator,
+    "nve/superquadric": superquadric_integrator,
+}
+CHECKS: dict[str, Callable[[Setup, Spec], object]] = {**FORCES, "addforce": _added_words, **INTEGRATORS}

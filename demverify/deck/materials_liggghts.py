@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable, Collection
 from dataclasses import dataclass, replace
 from math import inf, pi, sqrt
+from typing import Literal
 
 import numpy as np
 
@@ -28,7 +29,8 @@ SWITCHES = {
 ON_BY_DEFAULT = ("tangential_damping",)
 COHESION = {"off": "none", "sjkr": "sjkr"}
 ROLLING = {"off": "none", "cdt": "cdt", "epsd": "epsd", "epsd2": "epsd2"}
-SURFACE = ("default",)
+SURFACE = ("default", "superquadric")
+CURVATURES = {"meanCurvature": "mean", "gaussianCurvature": "gaussian"}
 PART_OF = {"tangential_reduce": "cohesion", "torsionTorque": "rolling_friction"}
 TWO_SEVENTHS = 0.285714286  # as LIGGGHTS writes it
 PLANES = tuple(f"{axis}plane" for axis in AXES)
@@ -43,7 +45,11 @@ class Model:
     tangential: str
     cohesion: str
     rolling: str
+    surface: str = "default"
     on: frozenset[str] = frozenset()
+    curvature: Literal["volume", "mean", "gaussian"] = "volume"
+    curvature_limit: float = inf
+    contact_point: Literal["potential", "gauge"] = "potential"
     place: Place | None = None
 
     @property
@@ -74,6 +80,7 @@ def pair_law(setup: Setup) -> ContactLaw | None:
     words.what = "pair_style gran"
     model = _model(words)
     model = _switches(words, model)
+    _check_surface(setup, words, model)
     _check_pair_coeff(setup)
     return _law(setup, model)
 
@@ -90,8 +97,7 @@ def _model(words: Words) -> Model:
     normal = words.choice("model", SWITCHES)
     tangential = words.choice("tangential model", FRICTION) if words.skip("tangential") else "off"
     cohesion, rolling = _part(words, "cohesion", COHESION), _part(words, "rolling_friction", ROLLING)
-    _part(words, "surface", SURFACE)
-    return Model(normal, tangential, cohesion, rolling, place=words.place)
+    return Model(normal, tangential, cohesion, rolling, _part(words, "surface", SURFACE), place=words.place)
 
 
 def _part(words: Words, keyword: str, supported: Collection[str]) -> str:
@@ -108,12 +114,48 @@ def _switches(words: Words, model: Model) -> Model:
     while words:
         if words.peek() in ("tangential", "cohesion", "rolling_friction", "surface"):
             raise words.error(f"has {words.peek()} too late; the order is {order}")
+        if model.surface == "superquadric" and words.peek() in SURFACE_SWITCHES:
+            model = _surface_switch(words, model)
+            continue
         if (part := PART_OF.get(words.peek())) and words.peek() not in model.switches:
             raise words.error(f"has {words.peek()} without a {part} model, whose switch it is")
         name = words.choice(f"switch of model {model.normal}", model.switches)
         state = words.choice(f"switch {name}", ("on", "off"))
         on = on | {name} if state == "on" else on - {name}
     return replace(model, on=frozenset(on))
+
+
+SURFACE_SWITCHES = ("curvatureLimitFactor", *CURVATURES, "contactPoint")
+
+
+def _surface_switch(words: Words, model: Model) -> Model:
+    """curvatureLimitFactor L, meanCurvature yes|no, gaussianCurvature yes|no; contactPoint potential|gauge is the native engine's own."""
+    name = words.take("a switch of surface superquadric")
+    if name == "curvatureLimitFactor":
+        return replace(model, curvature_limit=words.positive(name))
+    if name == "contactPoint":
+        return replace(model, contact_point=words.choice(name, ("potential", "gauge")))  # type: ignore[arg-type]
+    if words.choice(name, ("yes", "no")) == "no":
+        return model
+    if model.curvature != "volume":
+        raise words.error("has meanCurvature and gaussianCurvature: one of them")
+    return replace(model, curvature=CURVATURES[name])  # type: ignore[arg-type]
+
+
+def _check_surface(setup: Setup, words: Words, model: Model) -> None:
+    """Raises InputError where particles and surface model do not go together."""
+    if (model.surface == "superquadric") != (setup.atom_style == "superquadric"):
+        raise words.error(f"surface {model.surface} does not go with atom_style {setup.atom_style}: superquadric needs superquadric")
+    if model.curvature != "volume" and model.curvature_limit == inf:
+        raise words.error("meanCurvature and gaussianCurvature need curvatureLimitFactor")
+
+
+def contact_point(setup: Setup) -> Literal["potential", "gauge"]:
+    """What defines the contact of two superquadrics."""
+    if setup.pair_style in (None, ("none",)):
+        return "potential"
+    words = Words((setup.pair_style or ())[1:], "pair_style gran", setup.pair_place)
+    return _switches(words, _model(words)).contact_point
 
 
 def _check_pair_coeff(setup: Setup) -> None:
@@ -146,6 +188,8 @@ def _law(setup: Setup, model: Model) -> ContactLaw:
         cohesion=COHESION[model.cohesion],
         rolling=ROLLING[model.rolling],
         tangential_reduce="tangential_reduce" in model.on,
+        curvature=model.curvature,
+        curvature_limit=model.curvature_limit,
     )
 
 
@@ -240,7 +284,9 @@ def _wall(setup: Setup, fix: Spec) -> Wall:
     while words.skip("shear"):  # of several the last counts
         axis, speed = shear(words)
         velocity = _along(axis, speed)
-    law = _law(setup, _switches(words, model))
+    model = _switches(words, model)
+    _check_surface(setup, words, model)
+    law = _law(setup, model)
     column = {name: np.ascontiguousarray(table[:, wall_type - 1]) for name, table in law.coefficients.items()}
     return Wall(fix.id, shape, replace(law, coefficients=column), group_bit(setup, fix), velocity, touch_closed=True)
 

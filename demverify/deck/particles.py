@@ -7,8 +7,12 @@ from math import pi
 
 import numpy as np
 
-from demsolver.scene import Box
+from demsolver.scene import Box, Clumps, Superquadrics
+from demsolver.shapes import rotation, superquadric
+from demsolver.superquadric import bounding_radius
 from demverify.deck.setup import Atoms, Floats, Ints, Setup
+
+ARRAYS = tuple(f.name for f in fields(Atoms) if f.name not in ("superquadrics", "clumps"))
 
 
 def no_atoms() -> Atoms:
@@ -35,13 +39,38 @@ def new_atoms(ids: Ints, types: Ints, x: Floats, radius: Floats, mass: Floats) -
 
 
 def joined(first: Atoms, second: Atoms) -> Atoms:
-    """The rows of both."""
-    return Atoms(**{f.name: np.concatenate([getattr(first, f.name), getattr(second, f.name)]) for f in fields(Atoms)})
+    """The rows of both, which are of one style."""
+    rows = {name: np.concatenate([getattr(first, name), getattr(second, name)]) for name in ARRAYS}
+    a, b = first.superquadrics, second.superquadrics
+    shapes = b if not first.n else a
+    if a is not None and b is not None:
+        shapes = Superquadrics(*(np.concatenate([getattr(a, f.name), getattr(b, f.name)]) for f in fields(Superquadrics)))
+    return Atoms(**rows, superquadrics=shapes, clumps=clumps_joined(first, second))
+
+
+def clumps_joined(first: Atoms, second: Atoms) -> Clumps | None:
+    """The clumps of both."""
+    a, b = first.clumps, second.clumps
+    if a is None and b is None:
+        return None
+    a, b = a or no_clumps(first.n), b or no_clumps(second.n)
+    rows = {f.name: np.concatenate([getattr(a, f.name), getattr(b, f.name)]) for f in fields(Clumps) if f.name not in ("members_weigh", "body")}
+    body = np.concatenate([a.body, np.where(b.body >= 0, b.body + len(a.id), -1)])
+    return Clumps(**rows, body=body, members_weigh=b.members_weigh if len(b.id) else a.members_weigh)
+
+
+def no_clumps(n: int) -> Clumps:
+    """Of n particles, all free."""
+    none = np.zeros(0, dtype=np.int64)
+    three = np.zeros((0, 3))
+    return Clumps(np.full(n, -1), np.zeros((n, 3)), none, three, three, np.zeros((0, 4)), three, three, np.zeros(0), three, none)
 
 
 def selected(atoms: Atoms, rows: Ints) -> Atoms:
-    """A copy of some rows, in the order of `rows`."""
-    return Atoms(**{f.name: getattr(atoms, f.name)[rows] for f in fields(Atoms)})
+    """A copy of some rows, in the order of `rows`; all clumps stay."""
+    kept = replace(atoms.clumps, body=atoms.clumps.body[rows], offset=atoms.clumps.offset[rows]) if atoms.clumps else None
+    shapes = atoms.superquadrics.rows(rows) if atoms.superquadrics else None
+    return Atoms(**{name: getattr(atoms, name)[rows] for name in ARRAYS}, superquadrics=shapes, clumps=kept)
 
 
 def add_particles(setup: Setup, types: Ints, x: Floats) -> None:
@@ -50,7 +79,36 @@ def add_particles(setup: Setup, types: Ints, x: Floats) -> None:
     n = len(types)
     ids = (atoms.id.max() if atoms.n else 0) + np.arange(1, n + 1)
     radius = np.full(n, 0.5)
-    setup.atoms = joined(atoms, new_atoms(ids, types, x, radius, density_mass(setup, radius, np.ones(n))))
+    new = new_atoms(ids, types, x, radius, density_mass(setup, radius, np.ones(n)))
+    if setup.atom_style == "superquadric":
+        new.superquadrics = no_shapes(n)
+        reshape(new, np.arange(n), 1.0)
+    setup.atoms = joined(atoms, new)
+
+
+def no_shapes(n: int) -> Superquadrics:
+    """Balls of diameter 1, not turned; without mass yet."""
+    quat = np.zeros((n, 4))
+    quat[:, 0] = 1.0
+    return Superquadrics(np.full((n, 3), 0.5), np.full((n, 2), 2.0), quat, np.zeros((n, 3)), np.zeros((n, 3)))
+
+
+def reshape(atoms: Atoms, rows: Ints, density: Floats | float) -> None:
+    """What follows from axes, blockiness and density of some superquadrics: bounding radius, mass and moments, in place."""
+    shapes = atoms.superquadrics
+    assert shapes is not None
+    axes, blockiness = shapes.axes[rows], shapes.blockiness[rows]
+    atoms.radius[rows] = bounding_radius(axes, blockiness)
+    atoms.mass[rows] = density * superquadric.volume(axes, blockiness)
+    shapes.inertia[rows] = atoms.mass[rows, None] * superquadric.inertia_per_mass(axes, blockiness)
+
+
+def turn_with(atoms: Atoms, rows: Ints) -> None:
+    """The angular momentum of some superquadrics follows from their spins, in place."""
+    shapes = atoms.superquadrics
+    assert shapes is not None
+    along = rotation.to_body(shapes.quat[rows], atoms.omega[rows])
+    shapes.angmom[rows] = rotation.to_space(shapes.quat[rows], shapes.inertia[rows] * along)
 
 
 def density_mass(setup: Setup, radius: Floats, density: Floats | float) -> Floats:

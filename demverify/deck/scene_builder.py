@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+from copy import deepcopy
 from importlib import import_module
 from typing import Any
 
 import numpy as np
 
 from demsolver.bind_law import longest_reach
-from demsolver.scene import EulerSphere, Neighbor, NveSphere, Particles, Scene
+from demsolver.scene import EulerSphere, Integrator, Neighbor, NveSphere, Particles, Scene
 from demsolver.state import selected
-from demverify.deck.forces import FORCES, INTEGRATORS, integrator
+from demverify.deck.forces import FORCES, INTEGRATORS
 from demverify.deck.setup import Atoms, NeighborSpec, Setup, Spec
 from demverify.errors import InputError, Place
 
@@ -40,7 +41,8 @@ def scene_of(setup: Setup) -> Scene:
         neighbor=_neighbor(setup, setup.neighbor),
         dimension=setup.dimension,
         lost=setup.thermo.modify.get("lost", LOST[setup.dialect]),  # type: ignore[arg-type]
-        history_outlives_contact=setup.dialect == "liggghts" and setup.neighbor.contact_distance_factor == 1.0,
+        history_outlives_contact=setup.dialect == "liggghts" and setup.neighbor.contact_distance_factor == 1.0 and setup.atom_style != "superquadric",
+        contact_point=law.contact_point(setup) if setup.dialect == "liggghts" else "potential",
     )
     _check_reach(scene)
     return scene
@@ -56,19 +58,20 @@ def _check_reach(scene: Scene) -> None:
             raise InputError(message)
 
 
-def _integrators(setup: Setup) -> tuple[NveSphere, ...] | tuple[EulerSphere, ...]:
+def _integrators(setup: Setup) -> tuple[Integrator, ...]:
     specs = [spec for spec in setup.fixes.values() if spec.style in INTEGRATORS]
-    other = next((spec for spec in specs if spec.style != specs[0].style), None)
-    if other:
-        message = f"fix {other.id} {other.style}: fix {specs[0].id} is a {specs[0].style}, and one run has one integrator"
-        raise InputError(message, other.place)
-    return tuple(_integrate(setup, spec) for spec in specs)  # type: ignore[return-value]
+    euler = [spec for spec in specs if spec.style == "euler/sphere"]
+    if euler and (other := next((spec for spec in specs if spec.style != "euler/sphere"), None)):
+        first, second = (spec for spec in specs if spec in (euler[0], other))
+        message = f"fix {second.id} {second.style}: fix {first.id} is a {first.style}, and one run has one integrator"
+        raise InputError(message, second.place)
+    return tuple(_integrate(setup, spec) for spec in specs)
 
 
-def _integrate(setup: Setup, spec: Spec) -> NveSphere | EulerSphere:
-    found, atoms = integrator(setup, spec), setup.atoms
+def _integrate(setup: Setup, spec: Spec) -> Integrator:
+    found, atoms = INTEGRATORS[spec.style](setup, spec), setup.atoms
     assert atoms is not None
-    points = selected(atoms.mask, found.bit) & (atoms.radius == 0.0)
+    points = selected(atoms.mask, found.bit) & (atoms.radius == 0.0) if isinstance(found, NveSphere | EulerSphere) else np.zeros(1, dtype=bool)
     if points.any():
         message = f"fix {spec.id} {spec.style}: particle {atoms.id[points][0]} has radius 0; a point cannot turn"
         raise InputError(message, spec.place)
@@ -77,7 +80,8 @@ def _integrate(setup: Setup, spec: Spec) -> NveSphere | EulerSphere:
 
 def _particles(atoms: Atoms) -> Particles:
     names = ("id", "type", "x", "v", "omega", "radius", "mass", "mask", "image")
-    return Particles(**{name: getattr(atoms, name).copy() for name in names})
+    shapes = deepcopy(atoms.superquadrics), deepcopy(atoms.clumps)
+    return Particles(**{name: getattr(atoms, name).copy() for name in names}, superquadrics=shapes[0], clumps=shapes[1])
 
 
 def _neighbor(setup: Setup, spec: NeighborSpec) -> Neighbor:

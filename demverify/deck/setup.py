@@ -12,7 +12,7 @@ from demverify.errors import Place
 
 if TYPE_CHECKING:
     from demsolver.memories import Memories
-    from demsolver.scene import Box
+    from demsolver.scene import Box, Clumps, Superquadrics
     from demverify.deck.rotating import Turn
 
 Floats = NDArray[np.float64]
@@ -34,6 +34,8 @@ class Atoms:
     mask: Ints
     image: Ints
     molecule: Ints
+    superquadrics: Superquadrics | None = None
+    clumps: Clumps | None = None
 
     @property
     def n(self) -> int:
@@ -99,6 +101,7 @@ class Setup:
     dialect: Dialect
     units: str = "lj"
     dimension: int = 3
+    atom_style: str = "sphere"
     boundary: tuple[str, str, str] = ("pp", "pp", "pp")
     newton: bool = True
     box: Box | None = None

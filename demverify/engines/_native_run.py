@@ -130,13 +130,12 @@ class Run:
         molecule = setup.atoms.molecule
         if len(p.id) < len(setup.atoms.id):
             molecule = molecule[np.isin(setup.atoms.id, p.id)]
-        setup.atoms = Atoms(p.id, p.type, p.x, p.v, p.omega, p.radius, p.mass, p.mask, p.image, molecule)
+        setup.atoms = Atoms(p.id, p.type, p.x, p.v, p.omega, p.radius, p.mass, p.mask, p.image, molecule, p.superquadrics, p.clumps)
         setup.box = simulation.box()
         setup.time += (simulation.step - setup.step) * setup.dt
         setup.step = simulation.step
 
     def _snapshot(self, group: str) -> Snapshot:
-        from demsolver.scene import Particles
         from demsolver.state import selected
         from demverify.formats.columns import Snapshot
 
@@ -145,7 +144,7 @@ class Run:
         p, molecule = self.meter.particles, atoms.molecule
         chosen = selected(p.mask, self.setup.groups[group])
         if not chosen.all():
-            p, molecule = Particles(*(getattr(p, f)[chosen] for f in Particles.__dataclass_fields__)), molecule[chosen]
+            p, molecule = p.rows(chosen), molecule[chosen]
         force, torque = sim.forces()
         return Snapshot(sim.step, sim.box(), p, force[chosen], torque[chosen], molecule, self.setup.dimension)
 

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from time import perf_counter
 
 import numpy as np
 
-from demsolver.computes import Population, erotate, erotate_sphere, ke
+from demsolver.computes import Population, RigidBodies, erotate, erotate_sphere, ke
+from demsolver.computes.erotate import erotate_by_shape
 from demsolver.scene import Particles
 from demsolver.simulate import Simulation
 from demsolver.state import Floats, selected
@@ -129,9 +130,7 @@ class Meter:
     def _members(self, group: str) -> Particles:
         everything = self.particles
         chosen = selected(everything.mask, self.setup.groups[group])
-        return (
-            everything if chosen.all() else Particles(*(getattr(everything, f)[chosen] for f in Particles.__dataclass_fields__))
-        )
+        return everything if chosen.all() else everything.rows(chosen)
 
     def _reduce(self, spec: Spec, members: Particles, index: int) -> tuple[float, bool]:
         mode, *inputs = spec.args
@@ -147,10 +146,27 @@ class Meter:
         return REDUCE[mode](COLUMNS[wanted](snapshot).astype(np.float64)), mode in EXTENSIVE_MODES
 
 
+def population_of(p: Particles) -> Population:
+    """For the energy computes."""
+    shapes, c = p.superquadrics, p.clumps
+    found = Population(p.id, p.mass, p.radius, p.omega, p.x, p.v)
+    if shapes is not None:
+        found = replace(found, shape=shapes.axes, blockiness=shapes.blockiness, quat=shapes.quat, angmom=shapes.angmom)
+    if c is not None:
+        bodies = RigidBodies(c.id, c.inertia, c.quat, c.mass, c.v, c.omega, c.angmom)
+        found = replace(found, body=np.where(c.body >= 0, c.id[c.body], 0), bodies=bodies)
+    return found
+
+
+def _of_shape(p: Particles, shape: str) -> float:
+    return sum(energies.total for name, energies in erotate_by_shape(population_of(p)) if name == shape)
+
+
 _ENERGIES: dict[str, Callable[[Particles], float]] = {
     "ke": lambda p: ke(p.mass, p.v),
     "erotate/sphere": lambda p: float(erotate_sphere(p.mass, p.radius, p.omega).sum()),
-    "erotate": lambda p: erotate(Population(p.id, p.mass, p.radius, p.omega)),
+    "erotate/superquadric": lambda p: _of_shape(p, "superquadric"),
+    "erotate": lambda p: erotate(population_of(p)),
 }
 _KEYWORDS: dict[str, Callable[[Meter], float]] = {
     "ke": lambda m: m.kinetic,

@@ -8,7 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from demsolver.scene import Box, Particles
+from demsolver.scene import Box, Particles, Superquadrics
+from demsolver.shapes import superquadric
 from demverify.errors import InputError, Place
 from demverify.frames import Frame
 
@@ -48,6 +49,29 @@ def volume(radius: Floats, dimension: int = 3) -> Floats:
     return np.pi * radius * radius if dimension == 2 else 4.0 * np.pi / 3.0 * radius * radius * radius
 
 
+def _volume(s: Snapshot) -> Floats:
+    shapes, found = s.particles.superquadrics, volume(s.particles.radius, s.dimension)
+    if shapes is not None:
+        shaped = shapes.axes[:, 0] > 0.0
+        found[shaped] = superquadric.volume(shapes.axes[shaped], shapes.blockiness[shaped])
+    return found
+
+
+def _shapes(s: Snapshot) -> Superquadrics:
+    found = s.particles.superquadrics
+    if found is None:
+        message = "dump columns of shapes need superquadrics: there are none"
+        raise InputError(message)
+    return found
+
+
+SHAPE_COLUMNS: dict[str, Callable[[Snapshot], NDArray[np.generic]]] = {
+    **_vector("shape", lambda s: _shapes(s).axes),
+    **{f"quat{k + 1}": (lambda s, k=k: _shapes(s).quat[:, k]) for k in range(4)},  # type: ignore[misc]
+    **{f"{word}{k + 1}": (lambda s, k=k: _shapes(s).blockiness[:, k]) for word in ("blockiness", "roundness") for k in range(2)},  # type: ignore[misc]
+    **_vector("angmom", lambda s: _shapes(s).angmom),
+    **_vector("inertia", lambda s: _shapes(s).inertia),
+}
 COLUMNS: dict[str, Callable[[Snapshot], NDArray[np.generic]]] = {
     "id": lambda s: s.particles.id,
     "mol": lambda s: s.molecule,
@@ -55,7 +79,7 @@ COLUMNS: dict[str, Callable[[Snapshot], NDArray[np.generic]]] = {
     "mass": lambda s: s.particles.mass,
     "radius": lambda s: s.particles.radius,
     "diameter": lambda s: 2.0 * s.particles.radius,
-    "density": lambda s: s.particles.mass / volume(s.particles.radius, s.dimension),
+    "density": lambda s: s.particles.mass / _volume(s),
     **_vector("", lambda s: s.particles.x),
     **{axis + "s": _scaled(i) for i, axis in enumerate("xyz")},
     **{axis + "u": _unwrapped(i) for i, axis in enumerate("xyz")},
@@ -64,8 +88,9 @@ COLUMNS: dict[str, Callable[[Snapshot], NDArray[np.generic]]] = {
     **_vector("f", lambda s: s.force),
     **_vector("omega", lambda s: s.particles.omega),
     **_vector("tq", lambda s: s.torque),
+    **SHAPE_COLUMNS,
 }
-"""Column name -> (n,) array. No angmom: spheres carry omega, and both engines refuse angmom for them too."""
+"""Column name -> (n,) array. Of shapes, for superquadrics alone: spheres carry omega, and both engines refuse angmom for them too."""
 
 
 def snapshot_frame(snapshot: Snapshot, names: Sequence[str], place: Place | None = None) -> Frame:

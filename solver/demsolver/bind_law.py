@@ -13,7 +13,7 @@ from demsolver.state import Floats
 
 SIGNATURE = (
     "memory, k, overlap, radius, partner_curvature, reff, meff, rolling_inertia, arm_ratio, vn, nx, ny, nz, vtx, vty, vtz, wx, wy, wz, "
-    "dt, advance, coefficients, row"
+    "dt, advance, push, coefficients, row"
 )
 ASKED: dict[str, contact.Family] = {"gt": "tangential_damping", "kt": "tangential_stiffness"}  # in this order: a dashpot may ask for kt
 STORED = "memory, k, overlap, radius, partner_curvature, reff, meff, vn, dt, coefficients, row"
@@ -150,8 +150,8 @@ def _normal(name: str, law: ContactLaw) -> list[str]:
 
 def _limit(name: str, law: ContactLaw) -> str:
     if "critical_force" in contact.functions("normal", law.normal):
-        return f"    critical_force = {_call(name, law, 'normal', 'critical_force')}"
-    return f"    critical_force = abs(normal_force{' + cohesive_force' if law.tangential_reduce else ''})"
+        return f"    critical_force = push * {_call(name, law, 'normal', 'critical_force')}"
+    return f"    critical_force = push * abs(normal_force{' + cohesive_force' if law.tangential_reduce else ''})"
 
 
 def _contact(name: str, law: ContactLaw) -> list[str]:

@@ -149,6 +149,24 @@ def move_plane(g, dt):
 """
 
 
+CURVATURES = {"volume": 0, "mean": 1, "gaussian": 2}
+"""As surface.MEAN and surface.GAUSSIAN."""
+
+
+def _shape_source(wall: Wall) -> str:
+    """What is different for a superquadric: of those whose bounding sphere touches, overlap, contact point and effective radius."""
+    moves = """
+            wvx += turning[1] * (az + way * nz) - turning[2] * (ay + way * ny)
+            wvy += turning[2] * (ax + way * nx) - turning[0] * (az + way * nz)
+            wvz += turning[0] * (ay + way * ny) - turning[1] * (ax + way * nx)"""
+    return f"""
+        round_ = b.axes[i, 0] == 0.0
+        ax = ay = az = 0.0
+        if touches and not round_:
+            overlap, ax, ay, az, reff = meet_plane(i, way, nx, ny, nz, b, {CURVATURES[wall.law.curvature]}, {min(wall.law.curvature_limit, 1e300)})
+            touches = overlap > 0.0{moves if isinstance(wall.shape, Plane) else ""}"""
+
+
 def _wall_force_source(k: int, wall: Wall) -> str:
     text = (HERE / "kernel_wall.py").read_text().partition("@inlined")
     copy = "".join(text[1:]).replace("wall_", f"wall{k}_")
@@ -164,7 +182,7 @@ def wall_arrays(k: int) -> str:
 
 def walls_source(scene: Scene) -> str:
     """Sources of `wall_forces` and `wall_stored`: every wall in turn, on one particle."""
-    walls = scene.walls
+    walls, shapes = scene.walls, scene.particles.superquadrics is not None
     forces, stored = [], []
     for k, wall in enumerate(walls):
         gap = f"wall{k}_reach(b.radius[i], coefficients, b.kind[i]) if touching[i] else 0.0" if goes_beyond(wall.law) else "0.0"
@@ -174,22 +192,22 @@ def walls_source(scene: Scene) -> str:
     if {member(scene, wall.bit, "bit")}:
         gap = {gap}
 {_geometry_source(wall)}
-        overlap = {overlap}"""
+        overlap = {overlap}{_shape_source(wall) if shapes else ""}"""
         held = f"wall{k}_stored(memory, i, -gap, b.radius[i], 0.0, reff, b.mass[i], 0.0, dt, coefficients, b.kind[i])[0]"
         snap = f"\n            if BUDGET and advance:\n                tally[0] -= {held}" if goes_beyond(wall.law) else ""
         inside = "" if isinstance(wall.shape, Cylinder) else "\n        if GUARD and way == 0.0:\n            tally[6] += 1.0"  # no way out is known
         forces.append(f"""{head}{_rotation_source(wall.shape)}{inside}
         if touches:
             touching[i] = 1
-            wall{k}_force(i, nx, ny, nz, overlap, reff, wvx, wvy, wvz, turning, b, memory, coefficients, dt, advance, tally)
-        elif touching[i]:
+            wall{k}_force(i, nx, ny, nz, overlap, reff, {"ax, ay, az, round_" if shapes else "0.0, 0.0, 0.0, True"}, wvx, wvy, wvz, turning, b,
+            memory, coefficients, dt, advance, tally) elif touching[i]:
             touching[i] = 0{snap}
             wall_parting(i, {len(memory_signs(wall.law))}, wvx, wvy, wvz, turning, b, memory, dt, advance, tally)
 """)
         stored.append(f"""{head}
         if touches:
             vn = (b.v[i, 0] - wvx) * nx + (b.v[i, 1] - wvy) * ny + (b.v[i, 2] - wvz) * nz
-            en, et, er = wall{k}_stored(memory, i, overlap, b.radius[i], 0.0, reff, b.mass[i], vn, dt, coefficients, b.kind[i])
+            en, et, er = wall{k}_stored(memory, i, overlap, rough_size(b, i), 0.0, reff, heft(b, i), vn, dt, coefficients, b.kind[i])
             normal += en
             tangential += et
             rolling += er
@@ -281,6 +299,8 @@ def fields_source(scene: Scene, *, implicit: bool, rotates: bool) -> str:
     for k, field in enumerate(scene.forces):
         lines.append(f"    if {member(scene, field.bit, f'bits[{k}]')}:")
         if isinstance(field, Gravity):
+            if scene.particles.clumps and not scene.particles.clumps.members_weigh:
+                lines[-1] = lines[-1].replace(":", " and b.clump[i] < 0:")  # the clump as a whole is pulled
             lines += [f"        b.{array}[i, {c}] += b.mass[i] * numbers[{k}, {c}]" for array in sums for c in range(3)]
         elif isinstance(field, Viscous):
             lines.append(f"        drag(i, gammas[{drags}, b.kind[i]], b, last_force[{drags}], dt, advance, tally)")

@@ -9,6 +9,7 @@ import numpy as np
 
 from demsolver import contact
 from demsolver.bind_law import check_law, in_use, law_coefficients
+from demsolver.check_bodies import check_bodies
 from demsolver.expression import check_expression
 from demsolver.scene import AddForce, ContactLaw, Cylinder, Plane, Scene, Slab
 from demsolver.state import Floats
@@ -25,6 +26,7 @@ def check_scene(scene: Scene) -> None:
         message = f"box hi must be above lo on every axis, got lo {list(scene.box.lo)} and hi {list(scene.box.hi)}"
         raise ValueError(message)
     _check_particles(scene)
+    check_bodies(scene)
     if scene.pair is not None:
         check_coefficients(scene.pair, (scene.ntypes, scene.ntypes), "pair law")
     for wall in scene.walls:

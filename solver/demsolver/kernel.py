@@ -10,8 +10,10 @@ This file is read as text and placed behind a generated header, which binds, as 
     move_walls                 carries moving planes on by a step
     field_forces               gravity, freeze, ... of the scene in their order, on one particle
     PAIRS, FRICTION, ROLLING, ROTATES, BEYOND, OUTLIVES, BUDGET, PERIODIC, FROZEN, VIRIAL, THREADED, SURFACE_CONTACT, TORQUE_CONTACT, SHIFTING,
-    IMPLICIT, MOVING, VERLET, SLEEPS, FREE, UNIFORM, ONE_LAW, GUARD: constants; what is False (of the last three: True) costs nothing. BASE: columns of
-                               memory that the pair law has. ROLLING_INERTIA: of one sphere rolling about its contact point, over m R^2
+    IMPLICIT, MOVING, VERLET, SLEEPS, FREE, UNIFORM, ONE_LAW, GUARD, SHAPES, CLUMPS, TORQUES: constants; what is False (UNIFORM, ONE_LAW and FREE: True) costs
+                               nothing. BASE: columns of memory that the pair law has. ROLLING_INERTIA: of one sphere rolling about its
+                               contact point, over m R^2
+    turn, move_clumps          superquadrics turn (kernel_turn.py); clumps move (kernel_clumps.py)
 
 Velocity Verlet as LAMMPS does it: contact forces of step n see x(n) and the velocities of step n - 1/2 (at set-up: of step n).
 
@@ -86,7 +88,7 @@ def keep(w, i, sign, turn, near, u, lanes):
     near.kept_row[w] = i
     kept = near.kept_action[w]
     kept[0], kept[1], kept[2] = sign * lanes[PX + u], sign * lanes[PY + u], sign * lanes[PZ + u]
-    if FRICTION or ROLLING:
+    if TORQUES:
         kept[3], kept[4], kept[5] = lanes[turn[0] + u], lanes[turn[1] + u], lanes[turn[2] + u]
     return w + 1
 
@@ -102,7 +104,7 @@ def give_kept(low, high, b, near):
                     near.pushed[i >> 3] = 1
                 for d in range(3):
                     b.force[i, d] += kept[d]
-                    if FRICTION or ROLLING:
+                    if TORQUES:
                         b.torque[i, d] += kept[3 + d]
 
 
@@ -116,7 +118,7 @@ def end_step(c, mode, b, flat, movers, pushed, walls, fields, dt, advance, tally
     if FREE:  # who touches nothing flies on: only the eights of rows that were pushed are looked at
         for k in range(low >> 3, (high + 7) >> 3):
             if pushed[k] != 0:
-                jump = max(jump, push(8 * k, min(high, 8 * k + 8), mode, b, flat, movers))
+                jump = max(jump, push(8 * k, min(high, 8 * k + 8), mode, b, flat, movers, dt))
                 if mode == GO_ON:
                     clear(8 * k, min(high, 8 * k + 8), b)
                     pushed[k] = 0
@@ -124,16 +126,16 @@ def end_step(c, mode, b, flat, movers, pushed, walls, fields, dt, advance, tally
         for i in range(low, high):
             wall_forces(i, b, walls, dt, advance, tally)
             field_forces(i, b, fields, dt, advance, tally)
-        jump = push(low, high, mode, b, flat, movers)
+        jump = push(low, high, mode, b, flat, movers, dt)
     if mode == GO_ON:
         drift(low, min(high, movers), flat, dt)
         if not FREE:
-            clear(low, high, b)
+            clear(low, min(high, movers) if CLUMPS else high, b)  # what acts on the members is still to be gathered
     return 4.0 * jump if VERLET else jump
 
 
 @inlined
-def push(low, high, mode, b, flat, movers):
+def push(low, high, mode, b, flat, movers, dt):
     """What forces do to the particles low..high at the end of a step. Returns the largest squared change of a velocity by a kick."""
     jump = 0.0
     if PAIRS or GUARD:  # nobody else asks
@@ -143,8 +145,12 @@ def push(low, high, mode, b, flat, movers):
     last = min(high, movers)
     if mode == GO_ON:
         kick(low, last, 1.0 if VERLET else 0.0, flat)
+        if SHAPES:
+            turn(low, last, TURN_BOTH, b, dt)
     elif mode == FINISH and VERLET:
         kick(low, last, 0.0, flat)
+        if SHAPES:
+            turn(low, last, TURN_SECOND, b, dt)
     return jump
 
 
@@ -201,12 +207,14 @@ def deep_contacts(tallies):
 
 
 @entry
-def run_steps(start, steps, age, rhythm, b, flat, movers, p, near, shifts, equal, coefficients, ntypes, walls, fields, dt, tallies, paces, guard):
+def run_steps(
+    start, steps, age, rhythm, b, flat, free, movers, clumps, p, near, shifts, equal, coefficients, ntypes, walls, fields, dt, tallies, paces, guard
+):
     """Runs until `steps` are done; returns (steps done, age of the list, 0 or why it stopped before: DUE, the list in mid-step; TOO_FAST, TOO_DEEP).
 
     start: 0 at the begin of a step; 1 in mid-step, behind the renewal of the list; 2 set-up: forces only, histories stay.
-    rhythm: (every, delay, check, squared half skin) as LAMMPS' neigh_modify. movers: how many particles move; they stand in the first rows.
-    flat: see state.Flat. guard: see guard.Guard.numbers.
+    rhythm: (every, delay, check, squared half skin) as LAMMPS' neigh_modify. movers: how many particles move; they stand in the first rows, the first `free` of
+    them on their own, the others with their clumps. flat: see state.Flat. guard: see guard.Guard.numbers.
     """
     every, delay, check, reach = rhythm
     n = b.x.shape[0]
@@ -214,8 +222,12 @@ def run_steps(start, steps, age, rhythm, b, flat, movers, p, near, shifts, equal
     jump = 0.0
     watch = START_WATCH
     if start == 0 and steps > 0:
-        kick(NONE, movers, 0.0, flat)
-        drift(NONE, movers, flat, dt)
+        kick(NONE, free, 0.0, flat)
+        if SHAPES:
+            turn(NONE, free, TURN_FIRST, b, dt)
+        drift(NONE, free, flat, dt)
+        if CLUMPS:
+            move_clumps(False, False, True, b, clumps, dt)
     if steps > 0 or start == 2:
         clear(NONE, n, b)
         near.pushed[:] = 0
@@ -244,7 +256,11 @@ def run_steps(start, steps, age, rhythm, b, flat, movers, p, near, shifts, equal
             if watch[0] == 0.0:
                 fastest = top_speed(movers, b)
         mode = FORCES if start == 2 else (GO_ON if done + 1 < steps else FINISH)
-        jump = sweep(mode, b, flat, movers, p, near, shifts, equal, coefficients, ntypes, walls, fields, dt, start != 2, tallies, paces)
+        jump = sweep(mode, b, flat, free, p, near, shifts, equal, coefficients, ntypes, walls, fields, dt, start != 2, tallies, paces)
+        if CLUMPS:
+            jump = max(jump, move_clumps(True, mode != FORCES, mode == GO_ON, b, clumps, dt))
+            if mode == GO_ON:
+                clear(free, n, b)
         if start == 2:
             break
         fastest += sqrt(jump)

@@ -1,12 +1,15 @@
 """One contact, and what it does to its two particles: a template like kernel.py, in front of it.
 
-Pairs are done in blocks: `look`, `gather`, `act` (the law), `deliver`, `give`. kernel_wall.py holds walls.
+Pairs are done in blocks: `look`, `gather`, `act` (the law), `deliver`, `give`. kernel_wall.py holds walls, kernel_shape.py the geometry of superquadrics.
 
-Memory columns of a contact: first BASE columns of the law's own; with BUDGET also what took energy in the last step: three columns each of the
-normal damping force, the tangential force, its torques on both sides, the rolling torques on both sides; then the power that a wall's motion gives
-to the spring.
+Memory columns of a contact: first BASE columns of the law's own; with BUDGET also what took energy in the last step, BOOKS columns: three each
+of the normal damping force, the tangential force, its torques on both sides, the rolling torques on both sides; the power that a wall's motion gives
+to the spring; with SHAPES the torques of the damping force on both sides. Behind them, from GEOMETRY on, what kernel_shape.py remembers.
 Tally: 0 work of the normal damping, 1 work of the tangential force, 2 work of viscous drag, 4 work of the rolling torques; negative while they
-take energy; 5 work of the walls' motion on the particles; 6 contacts that were deeper than DEEPEST of the smaller radius (GUARD). With VIRIAL: 3 the sum of r.F over the pairs of the last force evaluation. A row a chunk.
+take energy; 5 work of the walls' motion on the particles; 6 contacts that were deeper than DEEPEST of the smaller radius (GUARD); 7 contacts of superquadrics whose
+point was not found. With VIRIAL: 3 the sum of r.F over the pairs of the last force evaluation. A row a chunk.
+
+push (SHAPES): what the laws call the overlap grows by push times the way along the normal, so that force times way is what the spring stores.
 """
 
 # ruff: noqa: F821
@@ -19,13 +22,14 @@ import numpy as np
 (
     DX, DY, DZ, VX, VY, VZ, WAX, WAY, WAZ, WOX, WOY, WOZ, RA, RO, MEFF, INERTIA,
     NX, NY, NZ, PX, PY, PZ, GX, GY, GZ, HX, HY, HZ, SPRING, DAMPING, FX, FY, FZ, QX, QY, QZ, SHIFT, LOSS,
+    OVERLAP, PUSH, AX, AY, AZ, REFF, ROUND,
 ) = (np.uint64(BLOCK * number) for number in range(FIELDS))
 # The same of whole numbers: who feels it, the other, whether both do, place in the list of all pairs, row of the table of coefficients.
 FELT, OTHER, BOTH, ENTRY, LAW = (np.uint64(BLOCK * number) for number in range(5))
 TORQUE = (GX, GY, GZ) if SAME_TORQUE else (HX, HY, HZ)  # on the other
 # Places are unsigned throughout: of a signed one Numba asks whether it counts from the end.
 
-REST = (0.0,) * 19  # `now` of a contact that has ended
+REST = (0.0,) * BOOKS  # `now` of a contact that has ended
 
 
 @compiled
@@ -42,6 +46,9 @@ def spend(memory, k, base, now, vx, vy, vz, wi, wj, half_dt, tally):
     for c in range(3):
         rubbing += (memory[k, base + 6 + c] + now[6 + c]) * wi[c] + (memory[k, base + 9 + c] + now[9 + c]) * wj[c]
         rolling += (memory[k, base + 12 + c] + now[12 + c]) * wi[c] + (memory[k, base + 15 + c] + now[15 + c]) * wj[c]
+    if SHAPES:
+        for c in range(3):
+            tally[0] += half_dt * ((memory[k, base + 19 + c] + now[19 + c]) * wi[c] + (memory[k, base + 22 + c] + now[22 + c]) * wj[c])
     tally[1] += half_dt * rubbing
     tally[4] += half_dt * rolling
 
@@ -61,7 +68,7 @@ def drive(memory, k, base, now, ux, uy, uz, turning, half_dt, tally):
 @compiled
 def remember(memory, k, base, now):
     """Keep today's forces for the work of the next step."""
-    for c in range(19):
+    for c in range(BOOKS):
         memory[k, base + c] = now[c]
 
 
@@ -110,9 +117,40 @@ def look(q, u, b, p, near, shifts, equal, coefficients, ntypes, dt, advance, tal
     if BEYOND and p.touching[k] & 1:
         beyond += pair_reach(ra * ro / reach, coefficients, 0 if ONE_LAW else b.kind[a] * ntypes + b.kind[o])
     touches = np.uint64(dx * dx + dy * dy + dz * dz < beyond * beyond)
+    if SHAPES and touches != 0:
+        touches = look_closer(u, k, a, o, dx, dy, dz, b, p, dt if advance else 0.0, tally, lanes)
     if (p.touching[k] & np.uint64(1)) > touches:
         end_contact(k, a, o, both, reach - beyond, b, p, equal, coefficients, ntypes, dt, advance, tally)
     return touches
+
+
+@compiled
+def look_closer(u, k, a, o, dx, dy, dz, b, p, dt, tally, lanes):
+    """Whether two touch whose bounding spheres do; their geometry goes into lane u. In lanes A: the contact point from a; of two spheres nothing."""
+    if b.axes[a, 0] == 0.0 and b.axes[o, 0] == 0.0:
+        reach, distance = b.size[a] + b.size[o], sqrt(dx * dx + dy * dy + dz * dz)
+        lanes[NX + u], lanes[NY + u], lanes[NZ + u] = dx / distance, dy / distance, dz / distance
+        lanes[OVERLAP + u], lanes[PUSH + u], lanes[REFF + u], lanes[ROUND + u] = reach - distance, 1.0, b.size[a] * b.size[o] / reach, 1.0
+        return np.uint64(1)
+    state, overlap, push, n, arm, reff = meet(k, a, o, dx, dy, dz, b, p.memory, GEOMETRY, HOW, p.touching[k] & 1 != 0, dt, True)
+    if state == NOT_FOUND:
+        tally[7] += 1.0
+    lanes[NX + u], lanes[NY + u], lanes[NZ + u] = n
+    lanes[AX + u], lanes[AY + u], lanes[AZ + u] = arm
+    lanes[OVERLAP + u], lanes[PUSH + u], lanes[REFF + u], lanes[ROUND + u] = overlap, push, reff, 0.0
+    return np.uint64(state == TOUCHES)
+
+
+@inlined
+def heft(b, i):
+    """The mass that contacts of particle i see."""
+    return b.heft[i] if CLUMPS else b.mass[i]
+
+
+@inlined
+def rough_size(b, i):
+    """Its radius, or that of a sphere of the same volume."""
+    return b.size[i] if SHAPES else b.radius[i]
 
 
 @compiled
@@ -139,23 +177,39 @@ def gather(u, b, p, equal, ntypes, lanes, past, who):
     a, o, k = np.uint64(who[FELT + u]), np.uint64(who[OTHER + u]), np.uint64(who[ENTRY + u])
     p.touching[k] = 3 if OUTLIVES else 1
     lanes[VX + u], lanes[VY + u], lanes[VZ + u] = b.v[a, 0] - b.v[o, 0], b.v[a, 1] - b.v[o, 1], b.v[a, 2] - b.v[o, 2]
-    if FRICTION or ROLLING:
+    if TORQUES:
         lanes[WAX + u], lanes[WAY + u], lanes[WAZ + u] = b.omega[a, 0], b.omega[a, 1], b.omega[a, 2]
         lanes[WOX + u], lanes[WOY + u], lanes[WOZ + u] = b.omega[o, 0], b.omega[o, 1], b.omega[o, 2]
     if not UNIFORM:
-        lanes[RA + u], lanes[RO + u] = b.radius[a], b.radius[o]
+        lanes[RA + u], lanes[RO + u] = rough_size(b, a), rough_size(b, o)
     if FROZEN or not UNIFORM:
-        ma, mo = (equal[1], equal[1]) if UNIFORM else (b.mass[a], b.mass[o])
+        ma, mo = (equal[1], equal[1]) if UNIFORM else (heft(b, a), heft(b, o))
         meff = ma * mo / (ma + mo)
         if FROZEN:
             meff = mo if b.frozen[a] else (ma if b.frozen[o] else meff)
         lanes[MEFF + u] = meff
-    if ROLLING and not UNIFORM:
-        lanes[INERTIA + u] = rolling_inertia(b.mass[a], b.radius[a], b.mass[o], b.radius[o])
+    if SHAPES and ROLLING and lanes[ROUND + u] == 0.0:
+        ax, ay, az = lanes[AX + u], lanes[AY + u], lanes[AZ + u]
+        wx, wy, wz = b.omega[a, 0] - b.omega[o, 0], b.omega[a, 1] - b.omega[o, 1], b.omega[a, 2] - b.omega[o, 2]
+        own = about_point(a, ax, ay, az, wx, wy, wz, b)
+        other = about_point(o, ax + lanes[DX + u], ay + lanes[DY + u], az + lanes[DZ + u], wx, wy, wz, b)
+        lanes[INERTIA + u] = 1.0 / (1.0 / own + 1.0 / other)
+    elif ROLLING and not UNIFORM:
+        lanes[INERTIA + u] = rolling_inertia(heft(b, a), rough_size(b, a), heft(b, o), rough_size(b, o))
     if not ONE_LAW:
         who[LAW + u] = b.kind[a] * ntypes + b.kind[o]
     for c in range(BASE):
         past[np.uint64(c * BLOCK) + u] = p.memory[k, c]
+
+
+@inlined
+def arms(u, nx, ny, nz, ra, ro, overlap, to_contact, lanes):
+    """From a, and from o, to where they touch in lane u; of two spheres as far as the law says."""
+    if lanes[ROUND + u] != 0.0:
+        aa, ao = (ra - 0.5 * overlap, ro - 0.5 * overlap) if to_contact else (ra, ro)
+        return -aa * nx, -aa * ny, -aa * nz, ao * nx, ao * ny, ao * nz
+    ax, ay, az = lanes[AX + u], lanes[AY + u], lanes[AZ + u]
+    return ax, ay, az, ax + lanes[DX + u], ay + lanes[DY + u], az + lanes[DZ + u]
 
 
 @inlined
@@ -175,16 +229,28 @@ def act(count, equal, coefficients, dt, advance, lanes, past, who):
         meff = lanes[MEFF + u] if FROZEN or not UNIFORM else equal[1] * equal[1] / (equal[1] + equal[1])
         row = 0 if ONE_LAW else who[LAW + u]
         reach = ra + ro
-        distance = sqrt(dx * dx + dy * dy + dz * dz)
-        inverse = 1.0 / distance
-        nx, ny, nz = dx * inverse, dy * inverse, dz * inverse
-        overlap = reach - distance
+        ax = ay = az = bx = by = bz = 0.0
+        push = 1.0
+        if SHAPES:
+            nx, ny, nz, overlap, push, reff = lanes[NX + u], lanes[NY + u], lanes[NZ + u], lanes[OVERLAP + u], lanes[PUSH + u], lanes[REFF + u]
+            ax, ay, az, bx, by, bz = arms(u, nx, ny, nz, ra, ro, overlap, SURFACE_CONTACT, lanes)
+        else:
+            distance = sqrt(dx * dx + dy * dy + dz * dz)
+            inverse = 1.0 / distance
+            nx, ny, nz = dx * inverse, dy * inverse, dz * inverse
+            overlap, reff = reach - distance, ra * ro / reach
         if GUARD:
             deep += np.uint64(overlap > DEEPEST * (ra if UNIFORM else min(ra, ro)))
         vx, vy, vz = lanes[VX + u], lanes[VY + u], lanes[VZ + u]
         vn = vx * nx + vy * ny + vz * nz
         tx = ty = tz = ux = uy = uz = inertia = 0.0
-        if FRICTION:
+        if SHAPES:
+            tx = vx + lanes[WAY + u] * az - lanes[WAZ + u] * ay - lanes[WOY + u] * bz + lanes[WOZ + u] * by
+            ty = vy + lanes[WAZ + u] * ax - lanes[WAX + u] * az - lanes[WOZ + u] * bx + lanes[WOX + u] * bz
+            tz = vz + lanes[WAX + u] * ay - lanes[WAY + u] * ax - lanes[WOX + u] * by + lanes[WOY + u] * bx
+            vn = tx * nx + ty * ny + tz * nz
+            tx, ty, tz = tx - vn * nx, ty - vn * ny, tz - vn * nz
+        elif FRICTION:
             aa, ao = ra, ro
             if SURFACE_CONTACT:
                 aa, ao = ra - 0.5 * overlap, ro - 0.5 * overlap
@@ -198,12 +264,19 @@ def act(count, equal, coefficients, dt, advance, lanes, past, who):
             inertia = rolling_inertia(equal[1], equal[0], equal[1], equal[0]) if UNIFORM else lanes[INERTIA + u]
             ux, uy, uz = lanes[WAX + u] - lanes[WOX + u], lanes[WAY + u] - lanes[WOY + u], lanes[WAZ + u] - lanes[WOZ + u]
         fn, damping, fx, fy, fz, qx, qy, qz, shift, loss = pair_contact(
-            past, u, overlap, ra, 1.0 / ro, ra * ro / reach, meff, inertia, 1.0, vn, nx, ny, nz, tx, ty, tz, ux, uy, uz, dt, advance, coefficients, row,
+            past, u, overlap, ra, 1.0 / ro, reff, meff, inertia, 1.0, push * vn, nx, ny, nz, tx, ty, tz, ux, uy, uz, dt, advance, push, coefficients, row,
         )
+        if SHAPES:
+            fn, damping = push * fn, push * damping
         lanes[PX + u], lanes[PY + u], lanes[PZ + u] = fn * nx + fx, fn * ny + fy, fn * nz + fz
-        if FRICTION or ROLLING:
+        if TORQUES:
             gx = gy = gz = hx = hy = hz = 0.0
-            if FRICTION:
+            if SHAPES:
+                ax, ay, az, bx, by, bz = arms(u, nx, ny, nz, ra, ro, overlap, TORQUE_CONTACT, lanes)
+                cx, cy, cz = lanes[PX + u], lanes[PY + u], lanes[PZ + u]
+                gx, gy, gz = ay * cz - az * cy, az * cx - ax * cz, ax * cy - ay * cx
+                hx, hy, hz = bz * cy - by * cz, bx * cz - bz * cx, by * cx - bx * cy
+            elif FRICTION:
                 aa, ao = ra, ro
                 if TORQUE_CONTACT:
                     aa, ao = ra - 0.5 * overlap, ro - 0.5 * overlap
@@ -253,22 +326,33 @@ def deliver(u, b, p, equal, dt, advance, tally, lanes, past, who):
     return a, o, both
 
 
+@inlined
+def torques(u, fx, fy, fz, nx, ny, nz, ra, ro, lanes):
+    """What a part of the force makes of torque on both."""
+    ax, ay, az, bx, by, bz = arms(u, nx, ny, nz, ra, ro, lanes[OVERLAP + u], TORQUE_CONTACT, lanes)
+    return ay * fz - az * fy, az * fx - ax * fz, ax * fy - ay * fx, bz * fy - by * fz, bx * fz - bz * fx, by * fx - bx * fy
+
+
 @compiled
 def keep_books(u, k, a, o, both, nx, ny, nz, b, p, dt, advance, tally, lanes):
     """The work that the contact in lane u has taken in this step."""
     half_dt = 0.5 * dt if both else 0.25 * dt  # half a pair: the other half stands beside it, as seen from there
     damping = lanes[DAMPING + u]
     qx, qy, qz = lanes[QX + u], lanes[QY + u], lanes[QZ + u]
-    ra, ro = b.radius[a], b.radius[o]
+    ra, ro = rough_size(b, a), rough_size(b, o)
     share = pair_rolling_share(ra, ro) if ROLLING else 1.0
     gx = gy = gz = hx = hy = hz = 0.0
-    if FRICTION or ROLLING:
+    if SHAPES:
+        gx, gy, gz, hx, hy, hz = torques(u, lanes[FX + u], lanes[FY + u], lanes[FZ + u], nx, ny, nz, ra, ro, lanes)
+    elif FRICTION or ROLLING:
         gx, gy, gz = lanes[GX + u] - qx, lanes[GY + u] - qy, lanes[GZ + u] - qz
         hx, hy, hz = lanes[TORQUE[0] + u] + share * qx, lanes[TORQUE[1] + u] + share * qy, lanes[TORQUE[2] + u] + share * qz
     now = (
         damping * nx, damping * ny, damping * nz, lanes[FX + u], lanes[FY + u], lanes[FZ + u], gx, gy, gz, hx, hy, hz,
         qx, qy, qz, -share * qx, -share * qy, -share * qz, 0.0,
     )
+    if SHAPES:
+        now = now + torques(u, damping * nx, damping * ny, damping * nz, nx, ny, nz, ra, ro, lanes)
     if advance:
         spend(p.memory, k, BASE, now, lanes[VX + u], lanes[VY + u], lanes[VZ + u], b.omega[a], b.omega[o], half_dt, tally)
     remember(p.memory, k, BASE, now)
@@ -290,7 +374,7 @@ def give(b, a, u, near, lanes):
     b.force[a, 0] += lanes[PX + u]
     b.force[a, 1] += lanes[PY + u]
     b.force[a, 2] += lanes[PZ + u]
-    if FRICTION or ROLLING:
+    if TORQUES:
         b.torque[a, 0] += lanes[GX + u]
         b.torque[a, 1] += lanes[GY + u]
         b.torque[a, 2] += lanes[GZ + u]
@@ -304,7 +388,7 @@ def give_other(b, o, u, near, lanes):
     b.force[o, 0] -= lanes[PX + u]
     b.force[o, 1] -= lanes[PY + u]
     b.force[o, 2] -= lanes[PZ + u]
-    if FRICTION or ROLLING:
+    if TORQUES:
         b.torque[o, 0] += lanes[TORQUE[0] + u]
         b.torque[o, 1] += lanes[TORQUE[1] + u]
         b.torque[o, 2] += lanes[TORQUE[2] + u]

@@ -127,7 +127,9 @@ def kick_all(b, movers):
 
 
 @entry
-def run_steps(start, steps, age, rhythm, b, flat, movers, p, near, shifts, equal, coefficients, ntypes, walls, fields, dt, tallies, paces, guard):
+def run_steps(
+    start, steps, age, rhythm, b, flat, free, movers, clumps, p, near, shifts, equal, coefficients, ntypes, walls, fields, dt, tallies, paces, guard
+):
     """As kernel.run_steps. Instead of the steps done -1: a step leaves the list even though that is new; -2: the sweeps did not agree."""
     reach = rhythm[3]
     n = b.x.shape[0]

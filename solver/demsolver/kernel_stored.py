@@ -28,17 +28,22 @@ def stored(b, p, shifts, coefficients, ntypes, walls, dt):
                 reach = b.radius[a] + b.radius[o]
                 if square < reach * reach or (BEYOND and p.touching[k] & 1):
                     distance = sqrt(square)
-                    meff = b.mass[a] * b.mass[o] / (b.mass[a] + b.mass[o])
+                    ma, mo = heft(b, a), heft(b, o)
+                    meff = ma * mo / (ma + mo)
                     if FROZEN:
                         if b.frozen[a]:
-                            meff = b.mass[o]
+                            meff = mo
                         elif b.frozen[o]:
-                            meff = b.mass[a]
+                            meff = ma
                     row = 0 if ONE_LAW else b.kind[a] * ntypes + b.kind[o]
-                    en, et, er = pair_stored(
-                        p.memory, k, reach - distance, b.radius[a], 1.0 / b.radius[o], b.radius[a] * b.radius[o] / reach, meff, vn / distance, dt,
-                        coefficients, row,
-                    )
+                    ra, ro = rough_size(b, a), rough_size(b, o)
+                    overlap, reff = reach - distance, ra * ro / (ra + ro)
+                    if SHAPES and (b.axes[a, 0] > 0.0 or b.axes[o, 0] > 0.0):
+                        dx, dy, dz = between(a, o, s, b.x, shifts)
+                        state, overlap, _, _, _, reff = meet(k, a, o, dx, dy, dz, b, p.memory, GEOMETRY, HOW, p.touching[k] & 1 != 0, 0.0, False)
+                        if state != TOUCHES:
+                            continue
+                    en, et, er = pair_stored(p.memory, k, overlap, ra, 1.0 / ro, reff, meff, vn / distance, dt, coefficients, row)
                     part = 0.5 if s != HOME else 1.0
                     normal += part * en
                     tangential += part * et

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from demsolver import contact
 from demsolver.bind_law import in_use
 from demsolver.neighbor_rows import turn
-from demsolver.neighbors import HOME, PARTNER_FEELS, remembered
+from demsolver.neighbors import HOME, PARTNER_FEELS, Columns, remembered
 from demsolver.scene import ContactLaw, Scene, Wall
 from demsolver.state import Floats, Ints, Pairs, outside
 
@@ -62,15 +62,15 @@ def pairs_remembered(pairs: Pairs, ids: Ints) -> tuple[Ints, Ints, Ints, NDArray
     return np.where(turned, partner, row), np.where(turned, row, partner), code - PARTNER_FEELS * turned, old.touching, old.memory
 
 
-def pairs_recalled(found: Memories, ids: Ints, columns: int, signs: Floats, *, periodic: bool) -> Pairs:
+def pairs_recalled(found: Memories, ids: Ints, columns: Columns, *, periodic: bool) -> Pairs:
     """A neighbour list of the entries between particles that are still there. ids: (n,) of the rows. columns: of memory; what is stored beyond
-    the law's, for the energy account, is taken up where both keep one. signs: (c,) of the law's columns when the particles change places."""
+    the law's, for the energy account, is taken up where both keep one."""
     a, b = places(found.i, ids), places(found.j, ids)
     kept = (a >= 0) & (b >= 0)
-    a, b, shift, memory = a[kept], b[kept], found.shift[kept], fitted(found.memory[kept], columns, len(signs))
+    a, b, shift, memory = a[kept], b[kept], found.shift[kept], fitted(found.memory[kept], len(columns.sign), columns.law)
     turned = a > b
     home = shift == HOME
-    turn(memory, np.flatnonzero(turned & home), signs)
+    turn(memory, np.flatnonzero(turned & home), columns)
     code = np.where(turned & ~home, shift + PARTNER_FEELS, shift)
     row, partner = np.minimum(a, b), np.maximum(a, b)
     order = np.lexsort((code, partner, row))

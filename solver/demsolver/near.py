@@ -50,7 +50,7 @@ START_LEEWAY = 3e-4
 """Of the mean radius, until the near list knows better."""
 LINES = 128
 """Bytes that a core fetches together: two lines of its cache."""
-FIELDS = 38
+FIELDS = 45
 """Of a contact in a block, beside its memory (kernel_contact.py names them)."""
 
 

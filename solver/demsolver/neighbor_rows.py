@@ -24,7 +24,29 @@ PARTNER_FEELS = 32  # added to the code of an entry that the partner feels
 CODE_BITS = 6  # of a key, below the partner
 LOWEST_BIT = np.array([0, 0, 1, 0, 2, 0, 1, 0, 3, 0, 1, 0, 2, 0, 1, 0])  # of the numbers up to 15
 SHORT = 16  # a row of which each entry is compared with all others
-Unseen = tuple[NDArray[np.bool_], Numbers]  # of neighbors.exclusions
+Unseen = tuple[NDArray[np.bool_], Numbers, Ints]  # of neighbors.exclusions
+
+
+class Columns(NamedTuple):
+    """Of the memory of a contact. law: how many columns belong to the law, the first ones. sign, source: (c,) what the other particle would have in
+    a column is `sign` times what this one has in column `source`."""
+
+    law: int
+    sign: Floats
+    source: Ints
+
+
+def columns_of(signs: Floats, books: int = 0, geometry: int = 0) -> Columns:
+    """signs: (m,) of the law's columns. books: columns of the energy budget behind them (kernel_contact.py), 0, 19 or 25: forces change their sign,
+    torques their sides. geometry: of superquadrics behind those (kernel_shape.py), 0 or 7."""
+    law = len(signs)
+    sign = np.concatenate([signs, np.where(np.arange(books) < 6, -1.0, 1.0), np.where(np.arange(geometry) < 4, 1.0, -1.0)])
+    source = np.arange(len(sign))
+    for side in (6, 12, 19):
+        if side < books:
+            first, second = slice(law + side, law + side + 3), slice(law + side + 3, law + side + 6)
+            source[first], source[second] = np.arange(len(sign))[second], np.arange(len(sign))[first]
+    return Columns(law, sign, source)
 
 
 class Runs(NamedTuple):
@@ -85,13 +107,19 @@ def _count(lanes):  # type: ignore[no-untyped-def]
     return m
 
 
+@njit(error_model="numpy", forceinline=True)
+def _sieved(i, j, excluded, classes, clump):  # type: ignore[no-untyped-def]
+    """Whether i and j do not see each other: by their classes, or as members of one clump."""
+    return excluded[classes[i], classes[j]] or (len(clump) > 0 and clump[i] >= 0 and clump[i] == clump[j])
+
+
 @njit(cache=True, error_model="numpy")
-def _collect(t, _low, _high, before, n, owner, asking, asked, part, excluded, classes, runs, counts):  # type: ignore[no-untyped-def]
+def _collect(t, _low, _high, before, n, owner, asking, asked, part, excluded, classes, clump, runs, counts):  # type: ignore[no-untyped-def]
     """Writes what thread t found as run before + t, and counts pairs at home."""
     begin, ends, hits, lanes = part.begin[t], part.ends[t], part.hits[t], part.lanes[t]
     pairs, count = runs.pairs, counts[t]
     home, faces = np.uint64(runs.home_end[before + t]), np.uint64(runs.faces[before + t])
-    sieve = excluded.any()
+    sieve = excluded.any() or len(clump) > 0
     k, one = np.uint64(0), np.uint64(1)
     for group in range(part.groups[t]):
         p = np.uint64(begin[group])
@@ -102,10 +130,10 @@ def _collect(t, _low, _high, before, n, owner, asking, asked, part, excluded, cl
                 near &= near - one
                 low, high = min(i, j), max(i, j)
                 if high >= n:
-                    if low < n and not (sieve and excluded[classes[low], classes[owner[high - n]]]):
+                    if low < n and not (sieve and _sieved(low, owner[high - n], excluded, classes, clump)):
                         faces -= one
                         pairs[faces] = _pair(low, high)
-                elif not (sieve and excluded[classes[low], classes[high]]):
+                elif not (sieve and _sieved(low, high, excluded, classes, clump)):
                     pairs[home] = _pair(low, high)
                     count[low] += np.uint32(1)
                     home += one
@@ -114,9 +142,9 @@ def _collect(t, _low, _high, before, n, owner, asking, asked, part, excluded, cl
 
 
 @njit(cache=True, error_model="numpy", parallel=True)
-def _collect_in_threads(share, before, n, owner, asking, asked, part, excluded, classes, runs, counts):  # type: ignore[no-untyped-def]
+def _collect_in_threads(share, before, n, owner, asking, asked, part, excluded, classes, clump, runs, counts):  # type: ignore[no-untyped-def]
     for t in prange(len(share) - 1):
-        _collect(t, share[t], share[t + 1], before, n, owner, asking, asked, part, excluded, classes, runs, counts)
+        _collect(t, share[t], share[t + 1], before, n, owner, asking, asked, part, excluded, classes, clump, runs, counts)
 
 
 @njit(error_model="numpy", forceinline=True)
@@ -273,13 +301,13 @@ def hand_over(threads: int, old: Remembered, *rest: Any) -> None:
 
 
 @njit(cache=True, error_model="numpy", parallel=True)
-def _hand_over_in_threads(share, old, new, wraps, outlives, signs, x, radius, shifts, renumber):  # type: ignore[no-untyped-def]
+def _hand_over_in_threads(share, old, new, wraps, outlives, columns, x, radius, shifts, renumber):  # type: ignore[no-untyped-def]
     for t in prange(len(share) - 1):
-        _hand_over(t, share[t], share[t + 1], old, new, wraps, outlives, signs, x, radius, shifts, renumber)
+        _hand_over(t, share[t], share[t + 1], old, new, wraps, outlives, columns, x, radius, shifts, renumber)
 
 
 @njit(cache=True, error_model="numpy")
-def _hand_over(t, low, high, old, new, wraps, outlives, signs, x, radius, shifts, renumber):  # type: ignore[no-untyped-def]
+def _hand_over(t, low, high, old, new, wraps, outlives, columns, x, radius, shifts, renumber):  # type: ignore[no-untyped-def]
     """The entries low..high of the old list; each has places of its own in the new one."""
     row, partner, codes, touching, memory = old
     to_first, _, to_partner, to_codes, to_touching, to_memory = new
@@ -306,10 +334,10 @@ def _hand_over(t, low, high, old, new, wraps, outlives, signs, x, radius, shifts
             if q < 0:
                 continue
             to_touching[q] = touching[k]
-            _remember(memory, k, to_memory, q, signs, turned)
+            _remember(memory, k, to_memory, q, columns, turned)
             if outlives and _apart(x, radius, i, j, shifts, moved):
                 to_touching[q] &= 1
-                to_memory[q, : len(signs)] = 0.0
+                to_memory[q, : columns.law] = 0.0
 
 
 @njit(error_model="numpy", forceinline=True)
@@ -331,28 +359,18 @@ def _entry(first, partner, codes, acts, other, shift):  # type: ignore[no-untype
 
 
 @njit(error_model="numpy", forceinline=True)
-def _remember(memory, k, to_memory, q, signs, turned):  # type: ignore[no-untyped-def]
-    """Memory of entry k to entry q; `turned`: as the other particle feels it. Of the budget's columns forces change sign, torques change sides."""
-    base = len(signs)
+def _remember(memory, k, to_memory, q, columns, turned):  # type: ignore[no-untyped-def]
+    """Memory of entry k to entry q; `turned`: as the other particle feels it."""
     for c in range(memory.shape[1]):
-        if not turned:
-            to_memory[q, c] = memory[k, c]
-        elif c < base:
-            to_memory[q, c] = signs[c] * memory[k, c]
-        elif c < base + 6:
-            to_memory[q, c] = -memory[k, c]
-        elif c < base + 18:
-            to_memory[q, c] = memory[k, c + 3 if (c - base) % 6 < 3 else c - 3]
-        else:
-            to_memory[q, c] = memory[k, c]
+        to_memory[q, c] = columns.sign[c] * memory[k, columns.source[c]] if turned else memory[k, c]
 
 
 @njit(error_model="numpy")
-def turn(memory, which, signs):  # type: ignore[no-untyped-def]  # noqa: ANN201
+def turn(memory, which, columns):  # type: ignore[no-untyped-def]  # noqa: ANN201
     """Turns the memory of the entries `which` to how the other particle feels it, in place."""
     for k in which:
         was = memory[k : k + 1].copy()
-        _remember(was, 0, memory, k, signs, True)
+        _remember(was, 0, memory, k, columns, True)
 
 
 @njit(error_model="numpy", forceinline=True)

@@ -13,12 +13,13 @@ from numpy.typing import NDArray
 from demsolver import neighbor_grid as cells
 from demsolver import neighbor_rows, neighbor_search
 from demsolver.bind_law import longest_reach
-from demsolver.neighbor_rows import HOME, PARTNER_FEELS, Remembered, Unseen, remembered
+from demsolver.neighbor_rows import HOME, PARTNER_FEELS, Columns, Remembered, Unseen, columns_of, remembered
 from demsolver.scene import Scene
 from demsolver.state import Bodies, Floats, Ints, Pairs, selected
 
 __all__ = [
-    "HOME", "PARTNER_FEELS", "SHIFTS", "Unseen", "build", "carry", "empty_pairs", "exclusions", "frozen_remember", "morton_order",
+    "HOME", "PARTNER_FEELS", "SHIFTS", "Columns", "Unseen", "build", "carry", "columns_of", "empty_pairs", "exclusions", "frozen_remember",
+    "morton_order",
     "remembered", "wrap",
 ]  # fmt: skip
 
@@ -80,9 +81,9 @@ def _check_box(lo: Floats, hi: Floats, periodic: tuple[bool, bool, bool], reach:
             raise ValueError(message)
 
 
-def exclusions(scene: Scene, mask: Ints, kind: Ints, frozen: NDArray[np.bool_] | None = None) -> Unseen:
-    """A table (k, k) of classes of particles that do not see each other, and the class of every particle. frozen: (n,) particles that do not see each
-    other either."""
+def exclusions(scene: Scene, mask: Ints, kind: Ints, frozen: NDArray[np.bool_] | None = None, clump: Ints | None = None) -> Unseen:
+    """A table (k, k) of classes of particles that do not see each other, the class of every particle, and the clump of each (-1: free), whose
+    members do not see each other; (0,) where there are none. frozen: (n,) particles that do not see each other either."""
     group = {bit: selected(mask, bit) for rule in scene.neighbor.exclude for bit in rule}
     rules = [(group[a], group[b]) for a, b in scene.neighbor.exclude]
     rules += [(kind == a - 1, kind == b - 1) for a, b in scene.neighbor.exclude_types]
@@ -94,7 +95,7 @@ def exclusions(scene: Scene, mask: Ints, kind: Ints, frozen: NDArray[np.bool_] |
     table = np.zeros((len(samples), len(samples)), dtype=bool)
     for a, b in rules:
         table |= np.outer(a[samples], b[samples]) | np.outer(b[samples], a[samples])
-    return table, classes
+    return table, classes, np.zeros(0, dtype=np.int64) if clump is None else clump
 
 
 @njit(cache=True, error_model="numpy")
@@ -173,14 +174,14 @@ def _morton(x, lo, inverse, top, keys):  # type: ignore[no-untyped-def]  # noqa:
 
 
 def carry(
-    old: Remembered, new: Pairs, wraps: Wraps, outlives: bool, signs: Floats, bodies: Bodies, shifts: Floats, renumber: Ints, threads: int = 1
+    old: Remembered, new: Pairs, wraps: Wraps, outlives: bool, columns: Columns, bodies: Bodies, shifts: Floats, renumber: Ints, threads: int = 1
 ) -> None:
     """Hands what is remembered of the old list to the new one.
 
-    wraps: (n, 3) periodic wraps since the old list, by old row. signs: (c,) of the columns of the law's memory when the particles change places.
+    wraps: (n, 3) periodic wraps since the old list, by old row. columns: of the memory.
     bodies, shifts: as they are now. renumber: (n,) where old row r now stands; (0,) if where it stood. threads: how many share the work.
 
     What touched at the last step goes over (LAMMPS). With `outlives`, what has touched since the last list goes over, but its
     tangential history only if the pair overlaps now (LIGGGHTS).
     """
-    neighbor_rows.hand_over(threads, old, new, wraps, outlives, signs, bodies.x, bodies.radius, shifts, renumber)
+    neighbor_rows.hand_over(threads, old, new, wraps, outlives, columns, bodies.x, bodies.radius, shifts, renumber)

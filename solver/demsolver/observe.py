@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -12,15 +13,15 @@ from demsolver.energy_budget import EnergyBudget
 from demsolver.guard import Good, Guard
 from demsolver.listed import Listed, listed
 from demsolver.neighbor_grid import bounds_of
-from demsolver.scene import Box, Gravity, Particles, Scene
+from demsolver.scene import Box, Clumps, Gravity, Particles, Scene, Superquadrics
 from demsolver.sleep import Sleepers
 from demsolver.specialise import Features, compiling
-from demsolver.state import Bodies, Floats, Ints, Pairs, inertias, outside, selected
+from demsolver.state import Bodies, Floats, Ints, Pairs, Rigid, inertias, outside, selected
 
 if TYPE_CHECKING:
     from types import ModuleType
 
-ACCOUNT, TALLIES = 6, 7  # columns of a tally that are the account of energy, and all: see kernel_contact.py
+ACCOUNT, LOST_POINTS, TALLIES = 6, 7, 8  # columns of a tally that are the account of energy, contact points not found, and all: see kernel_contact.py
 
 
 class Observed:
@@ -39,6 +40,7 @@ class Observed:
     _order: Ints
     _image: NDArray[np.int32]
     _bodies: Bodies
+    _rigid: Rigid
     _still: Floats
     _walls: tuple[tuple[Any, ...], ...]
     _coefficients: Floats | tuple[float, ...]
@@ -140,8 +142,19 @@ class Observed:
         """Of translation and rotation."""
         b = self._bodies
         omega = b.omega if self._has.ROTATES else self._still[self._order]
-        inertia = inertias(self.scene, b.mask, b.mass, b.radius)
-        return 0.5 * float(np.einsum("i,ic,ic", b.mass, b.v, b.v)), 0.5 * float(np.einsum("i,ic,ic", inertia, omega, omega))
+        mass, inertia = b.mass, inertias(self.scene, b.mask, b.mass, b.radius)
+        kinetic = rotational = 0.0
+        if self._has.SHAPES:
+            shaped = b.axes[:, 0] > 0.0
+            rotational += 0.5 * float(np.sum(b.angmom[shaped] * omega[shaped]))
+            inertia = np.where(shaped, 0.0, inertia)
+        if self._has.CLUMPS:
+            c, member = self._rigid, b.clump >= 0
+            kinetic += 0.5 * float(np.einsum("i,ic,ic", c.mass, c.v, c.v))
+            rotational += 0.5 * float(np.sum(c.angmom * c.omega))
+            mass, inertia = np.where(member, 0.0, mass), np.where(member, 0.0, inertia)
+        kinetic += 0.5 * float(np.einsum("i,ic,ic", mass, b.v, b.v))
+        return kinetic, rotational + 0.5 * float(np.einsum("i,ic,ic", inertia, omega, omega))
 
     def _stored(self) -> tuple[float, float, float]:
         with compiling():
@@ -164,7 +177,28 @@ class Observed:
         return Particles(
             id=self.id.copy(), type=outside(b.kind, order) + 1, x=outside(b.x, order), v=outside(b.v, order), omega=omega,
             radius=outside(b.radius, order), mass=outside(b.mass, order), mask=outside(b.mask, order), image=self.image,
+            superquadrics=self._superquadrics(), clumps=self._clumps(),
         )  # fmt: skip
+
+    def _superquadrics(self) -> Superquadrics | None:
+        if not self._has.SHAPES:
+            return None
+        names = ("axes", "blockiness", "quat", "inertia", "angmom")
+        return Superquadrics(**{name: outside(getattr(self._bodies, name), self._order) for name in names})
+
+    def _clumps(self) -> Clumps | None:
+        """The clumps as they are now: copies."""
+        was, c = self.scene.particles.clumps, self._rigid
+        if was is None:
+            return None
+        offset = np.zeros((len(self.id), 3))
+        offset[self._order[c.member]] = c.offset
+        moved = {name: getattr(c, name).copy() for name in ("x", "v", "quat", "angmom", "omega")}
+        return replace(was, body=outside(self._bodies.clump, self._order), offset=offset, **moved)
+
+    def clump_forces(self) -> tuple[Floats, Floats]:
+        """Forces and torques about the centres of mass (m, 3) of the clumps as they are now: copies."""
+        return self._rigid.force.copy(), self._rigid.torque.copy()
 
     def forces(self) -> tuple[Floats, Floats]:
         """Forces and torques (n, 3) as they are now: copies."""
@@ -185,12 +219,23 @@ class Observed:
         return shifts
 
     def _heights(self) -> Floats:
-        """Potential energy of gravity of each row that it can move, asleep or awake."""
+        """Potential energy of gravity of each row that it can move on its own, asleep or awake, then of each clump."""
         b = self._bodies
         falls = (b.moving | self._sleepers.asleep if self._sleepers else b.moving) & ~b.frozen
         unwrapped = b.x + self._image * (self.box_hi - self.box_lo)
         heights = np.zeros(len(b.x))
+        if self._has.CLUMPS:
+            falls &= b.clump < 0
         for field in self.scene.forces:
             if isinstance(field, Gravity):
                 heights -= np.where(selected(b.mask, field.bit) & falls, b.mass * (unwrapped @ np.array(field.acceleration)), 0.0)
+        return np.concatenate([heights, self._clump_heights()])
+
+    def _clump_heights(self) -> Floats:
+        """The same of each clump."""
+        c, was = self._rigid, self.scene.particles.clumps
+        heights = np.zeros(len(c.mass))
+        for field in self.scene.forces if was is not None else ():
+            if isinstance(field, Gravity) and was is not None:
+                heights -= np.where(selected(was.mask, field.bit), c.mass * (c.x @ np.array(field.acceleration)), 0.0)
         return heights

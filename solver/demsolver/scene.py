@@ -7,7 +7,7 @@ Units are those of the deck (any consistent set); angles are radians; particle t
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields, replace
 from typing import Literal
 
 import numpy as np
@@ -17,6 +17,7 @@ from demsolver.expression import Expression
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
+Rows = NDArray[np.int64] | NDArray[np.bool_]
 Arm = Literal["radius", "contact"]
 
 
@@ -40,11 +41,56 @@ class Box:
 
 
 @dataclass(frozen=True)
+class Superquadrics:
+    """What makes particles superquadrics (|x/a|^n2 + |y/b|^n2)^(n1/n2) + |z/c|^n1 = 1, n rows; a row of zeros in `axes` is a sphere.
+
+    axes (n, 3) semi-axes. blockiness (n, 2) n1, n2, at least 2. quat (n, 4) w x y z, body to space. inertia (n, 3) principal moments. angmom (n, 3)
+    in space.
+    """
+
+    axes: Floats
+    blockiness: Floats
+    quat: Floats
+    inertia: Floats
+    angmom: Floats
+
+    def rows(self, chosen: Rows) -> Superquadrics:
+        """Copies of some rows, in their order."""
+        return Superquadrics(*(getattr(self, field.name)[chosen] for field in fields(self)))
+
+
+@dataclass(frozen=True)
+class Clumps:
+    """Rigid bodies of spheres. body (n,): of each particle the row of its clump, -1 if it is free; offset (n, 3): where it is, from the centre of
+    mass along the principal axes. Of m clumps: id (m,); x (m, 3) centres of mass, unwrapped; v (m, 3); quat (m, 4) w x y z, principal axes to
+    space; angmom, omega (m, 3) in space; mass (m,); inertia (m, 3) principal moments; mask (m,) group bits.
+
+    members_weigh: gravity pulls at each member by its own mass (LAMMPS), or at the centre of the whole (LIGGGHTS). Contact laws see the mass of the
+    whole either way.
+    """
+
+    body: Ints
+    offset: Floats
+    id: Ints
+    x: Floats
+    v: Floats
+    quat: Floats
+    angmom: Floats
+    omega: Floats
+    mass: Floats
+    inertia: Floats
+    mask: Ints
+    members_weigh: bool = True
+
+
+@dataclass(frozen=True)
 class Particles:
-    """Spheres. All arrays have n rows; n may be 0.
+    """Spheres, some of which are superquadrics, or members of clumps. All arrays have n rows; n may be 0.
 
     id (n,) unique, from 1. type (n,) from 1. x, v (n, 3). omega (n, 3) angular velocity [rad/time]. radius, mass (n,).
     mask (n,): bit b set when the particle belongs to group b (bit 0 is "all"). image (n, 3): periodic wraps, as LAMMPS ix iy iz.
+    Of a superquadric radius is that of a sphere that holds it (`superquadric.bounding_radius`). Of a member of a clump x, v and omega follow from
+    its clump, and mass is its own share of what gravity pulls, or that of the whole clump: see Clumps.members_weigh.
     """
 
     id: Ints
@@ -56,6 +102,15 @@ class Particles:
     mass: Floats
     mask: Ints
     image: Ints
+    superquadrics: Superquadrics | None = None
+    clumps: Clumps | None = None
+
+    def rows(self, chosen: Rows) -> Particles:
+        """Copies of some rows, in their order; all clumps stay."""
+        own = {field.name: getattr(self, field.name)[chosen] for field in fields(self) if field.name not in ("superquadrics", "clumps")}
+        shapes = self.superquadrics.rows(chosen) if self.superquadrics else None
+        clumps = replace(self.clumps, body=self.clumps.body[chosen], offset=self.clumps.offset[chosen]) if self.clumps else None
+        return Particles(**own, superquadrics=shapes, clumps=clumps)
 
 
 @dataclass(frozen=True)
@@ -71,6 +126,8 @@ class ContactLaw:
     torque_arm: lever of the tangential force in the torque: the same two.
     limit_damping: True cuts a pulling total normal force to zero (LAMMPS limit_damping, LIGGGHTS limitForce on).
     tangential_reduce: True lets the cohesion force count in the limits of friction and rolling (LIGGGHTS tangential_reduce on).
+    curvature: what the effective radius R* of superquadrics is made of: radii of spheres of the same volume, or the mean or Gaussian curvature of
+    the surfaces where they touch (LIGGGHTS meanCurvature, gaussianCurvature), then at most curvature_limit times the former (curvatureLimitFactor).
     """
 
     normal: str
@@ -86,6 +143,8 @@ class ContactLaw:
     rolling: str = "none"
     twisting: str = "none"
     tangential_reduce: bool = False
+    curvature: Literal["volume", "mean", "gaussian"] = "volume"
+    curvature_limit: float = np.inf
 
 
 @dataclass(frozen=True)
@@ -233,6 +292,25 @@ class EulerSphere:
 
 
 @dataclass(frozen=True)
+class NveSuperquadric:
+    """Velocity Verlet for the superquadrics of group `bit`, turned by `scheme`, a file of demsolver.rotation; its spheres as by NveSphere."""
+
+    bit: int = 0
+    scheme: str = "no_squish"
+
+
+@dataclass(frozen=True)
+class NveClumps:
+    """Velocity Verlet for the clumps, all of which belong to group `bit`, turned by `scheme`, a file of demsolver.rotation."""
+
+    bit: int = 0
+    scheme: str = "richardson"
+
+
+Integrator = NveSphere | EulerSphere | NveSuperquadric | NveClumps
+
+
+@dataclass(frozen=True)
 class Neighbor:
     """Neighbour list: skin length, rebuild cadence as LAMMPS' neigh_modify, and pairs left out.
 
@@ -251,7 +329,7 @@ class Scene:
     """Everything a run needs. `forces` act in this order after the contacts. `pair` None: particles do not see each other.
 
     history_outlives_contact: tangential memory of a pair survives separation until the next list rebuild (LIGGGHTS), instead
-    of ending with the contact (LAMMPS)."""
+    of ending with the contact (LAMMPS). contact_point: what defines the contact of two superquadrics (demsolver.superquadric.pairs)."""
 
     box: Box
     particles: Particles
@@ -260,11 +338,12 @@ class Scene:
     pair: ContactLaw | None = None
     walls: tuple[Wall, ...] = ()
     forces: tuple[Force, ...] = ()
-    integrate: tuple[NveSphere, ...] | tuple[EulerSphere, ...] = ()
+    integrate: tuple[Integrator, ...] = ()
     neighbor: Neighbor = field(default_factory=lambda: Neighbor(skin=0.0))
     dimension: int = 3
     lost: Literal["error", "warn", "ignore"] = "error"
     history_outlives_contact: bool = False
+    contact_point: Literal["potential", "gauge"] = "potential"
 
     @property
     def rolling_inertia(self) -> float:

@@ -19,13 +19,13 @@ from demsolver.listed import without
 from demsolver.memories import Memories
 from demsolver.near import START_LEEWAY, near_of
 from demsolver.neighbor_grid import bounds_of
-from demsolver.observe import ACCOUNT, TALLIES, Observed
+from demsolver.observe import ACCOUNT, LOST_POINTS, TALLIES, Observed
 from demsolver.scene import Plane, Scene
 from demsolver.sleep import Sleep, Sleepers, check_sleep
-from demsolver.specialise import BUDGET_COLUMNS, CHUNK, compiling, features, specialise
-from demsolver.state import Bodies, Floats, Ints, Pairs, bodies_of, flat_of, movers_first
+from demsolver.specialise import CHUNK, GEOMETRY, compiling, features, specialise
+from demsolver.state import Bodies, Floats, Ints, Pairs, Rigid, bodies_of, flat_of, movers_first, placed, rigid_of
 from demsolver.threads import use_threads
-from demsolver.trouble import LostParticles, Unstable, check_finite, check_flight, refused
+from demsolver.trouble import LostParticles, Unstable, check_finite, check_flight, lost_points, refused
 
 SORT_FROM = CHUNK
 """Fewer particles than this fit a core's cache in any order."""
@@ -72,8 +72,8 @@ class Simulation(Observed):
         self._guard = Guard(scene, on_instability == "stop", tell) if on_instability != "off" else None
         self._asked, self._threads = threads, threads if self._has.THREADED else 1
         self._kernel = specialise(scene, self._has)
-        self._signs = memory_signs(scene.pair)
-        self._extra = BUDGET_COLUMNS if budget else 0
+        self._extra = self._has.BOOKS if budget else 0
+        self._columns = neighbors.columns_of(memory_signs(scene.pair), self._extra, GEOMETRY if self._has.SHAPES else 0)
         self._order: Ints = np.arange(len(self.id))
         self._image: NDArray[np.int32] = np.array(scene.particles.image, dtype=np.int32)
         aside = self._has.SHIFTING or self._has.IMPLICIT
@@ -85,11 +85,13 @@ class Simulation(Observed):
         self._equal = (float(scene.particles.radius[0]), float(scene.particles.mass[0])) if self._has.UNIFORM else (0.0, 0.0)
         self._tallies = np.zeros((0, TALLIES))
         self._scale = np.array([scene.particles.radius.mean() if len(self.id) else 0.0, 0.0, START_LEEWAY])
+        self._rigid: Rigid = rigid_of(scene)
+        placed(self._rigid, self._bodies)
         self._movers = int(self._bodies.moving.sum())
         self._sleepers = Sleepers(sleep, len(self.id)) if sleep else None
         self._unseen: dict[bool, neighbors.Unseen] = {}  # by whether two frozen particles see each other
         self._sort(movers_first(self._bodies, np.arange(len(self.id))))
-        self._allot(neighbors.empty_pairs(len(self.id), len(self._signs) + self._extra))
+        self._allot(neighbors.empty_pairs(len(self.id), len(self._columns.sign)))
         self._age = self._lists = 0
         self._margin = 1e-4 * (self.box_hi - self.box_lo) if scene.box.margin is None else scene.box.margin
 
@@ -137,14 +139,19 @@ class Simulation(Observed):
 
     def look(self) -> None:
         """Has the guard look at the state now, whether it is time or not: at the end of a run. Raises Unstable."""
-        check_finite(self._bodies, self.step, self.scene)
+        self._check()
         if self._guard:
             self._guard.look(self, now=True)
 
     def _look(self) -> None:
-        check_finite(self._bodies, self.step, self.scene)
+        self._check()
         if self._guard:
             self._guard.look(self)
+
+    def _check(self) -> None:
+        check_finite(self._bodies, self.step, self.scene)
+        if lost := int(self._tallies[:, LOST_POINTS].sum()):
+            raise Unstable(lost_points(lost, self.step, self.scene))
 
     def continue_with(self, scene: Scene, *, virial: bool | None = None) -> Simulation:
         """The next run of a deck: `scene` holds changed settings and the present particles; contact histories go on where the same
@@ -205,8 +212,7 @@ class Simulation(Observed):
         self._sort(movers_first(self._bodies, memories.rows_as_then(found, self.id, self._order)))
         rows = self.id[self._order]
         if found.laws == memories.remembering(self.scene.pair):
-            columns = self._pairs.memory.shape[1]
-            self._allot(memories.pairs_recalled(found, rows, columns, self._signs, periodic=any(self.scene.box.periodic)))
+            self._allot(memories.pairs_recalled(found, rows, self._columns, periodic=any(self.scene.box.periodic)))
             self._tallies[0, :ACCOUNT] = found.tally
         memories.recall_walls(found, self.scene.walls, self._walls, rows, self._extra)
 
@@ -217,7 +223,8 @@ class Simulation(Observed):
     def _run(self, start: int, steps: int) -> tuple[int, int]:
         use_threads(self._threads)
         done, self._age, why = self._kernel.run_steps(
-            start, steps, self._age, self._rhythm(), self._bodies, flat_of(self._bodies), self._movers, self._pairs, self._near, self._shifts(),
+            start, steps, self._age, self._rhythm(), self._bodies, flat_of(self._bodies), self._movers - len(self._rigid.member) * self._has.CLUMPS,
+            self._movers, self._rigid, self._pairs, self._near, self._shifts(),
             self._equal, self._coefficients, self.scene.ntypes, self._flat_walls(), self._fields, self.scene.timestep, self._tallies, self._paces,
             self._guard.numbers if self._guard else UNGUARDED,
         )  # fmt: skip
@@ -235,6 +242,7 @@ class Simulation(Observed):
             check_flight(low, high, self.box_lo, self.box_hi, self.step, self.scene)
         wraps = neighbors.wrap(b.x, self.box_lo, self.box_hi, self.scene.box.periodic)
         self._image += wraps
+        self._rigid.home[:] -= wraps[self._rigid.member] * (self.box_hi - self.box_lo)
         self._shrink(low, high)
         wraps = self._without_lost(wraps)
         self._age = 0
@@ -245,9 +253,9 @@ class Simulation(Observed):
             keep_frozen = self.virial or self._budget or (columns > 0 and neighbors.frozen_remember(old, b))
             place, b = self._resort(), self._bodies
             if keep_frozen not in self._unseen:
-                self._unseen[keep_frozen] = neighbors.exclusions(self.scene, b.mask, b.kind, None if keep_frozen else b.frozen)
+                self._unseen[keep_frozen] = neighbors.exclusions(self.scene, b.mask, b.kind, None if keep_frozen else b.frozen, b.clump)
             new = neighbors.build(self.scene, b, self.box_lo, self.box_hi, columns, self._unseen[keep_frozen], self._threads)
-            neighbors.carry(old, new, wraps, self.scene.history_outlives_contact, self._signs, b, self._shifts(), place, self._threads)
+            neighbors.carry(old, new, wraps, self.scene.history_outlives_contact, self._columns, b, self._shifts(), place, self._threads)
             del old
             self._allot(new)
             if self._sleepers and self._sleepers.wake(self._bodies, new):
@@ -279,6 +287,9 @@ class Simulation(Observed):
             self._bodies = Bodies(*(array[rows] if len(array) == n else array for array in self._bodies))  # type: ignore[arg-type]
         self._image, self._order = self._image[rows], self._order[rows]
         self._unseen.clear()
+        place = np.zeros(n, dtype=np.int64)
+        place[rows] = np.arange(len(rows))
+        self._rigid.member[:] = place[self._rigid.member]
         if self._sleepers:
             self._sleepers.sort(rows)
         self._walls = tuple((g, bit, c, memory[rows], touching[rows]) for g, bit, c, memory, touching in self._walls)
@@ -322,7 +333,8 @@ class Simulation(Observed):
         if gone.any():
             if self._guard:
                 self._guard.lost(self)
-            if self.scene.lost == "error":
+            clumped = self._bodies.clump[gone] >= 0 if self._has.CLUMPS else np.zeros(0, dtype=bool)
+            if self.scene.lost == "error" or clumped.any():  # no clump goes on without a member
                 first = int(self.id[self._order[gone]].min())
                 message = f"{int(gone.sum())} particles left the box by step {self.step}, the first with id {first}"
                 raise LostParticles(message)

@@ -40,6 +40,8 @@ def check_sleep(sleep: Sleep, scene: Scene, *, books: bool) -> None:
         message = f"sleep needs a speed above 0 and steps between looks, not speed {sleep.speed:g} every {sleep.every}"
     elif books:
         message = "the energy budget and the virial need every contact in every step: not with sleep"
+    elif scene.particles.superquadrics is not None or scene.particles.clumps is not None:
+        message = "superquadrics and clumps do not sleep"
     elif shifting(scene) or implicit(scene):
         message = "step laws and implicit laws need every contact in every step: not with sleep"
     elif moving := [wall.name for wall in scene.walls if isinstance(wall.shape, Plane) and wall.shape.moving]:

@@ -34,15 +34,17 @@ from demsolver.bind_law import (
     law_imports,
     memory_signs,
 )  # fmt: skip
-from demsolver.bind_walls import fields_source, steady_source, wall_sweep_source, walls_source
+from demsolver.bind_walls import CURVATURES, fields_source, steady_source, wall_sweep_source, walls_source
 from demsolver.near import BLOCK, FIELDS
 from demsolver.neighbors import HOME, PARTNER_FEELS
-from demsolver.scene import AddForce, ContactLaw, Enforce2D, EulerSphere, Freeze, Plane, Scene, SetForce
+from demsolver.scene import AddForce, ContactLaw, Enforce2D, EulerSphere, Freeze, NveClumps, NveSuperquadric, Plane, Scene, SetForce
+from demsolver.state import factor_of
 
 HERE = Path(__file__).parent
 CHUNK = 1024
 """Rows that are done in one go, and by one thread: enough to be worth it, few enough to stay in a core's cache. Part of what a result depends on."""
-BUDGET_COLUMNS = 19  # of a contact's memory, behind those of its law
+BOOKS, BOOKS_OF_SHAPES = 19, 25  # columns of a contact's memory, behind those of its law, that the energy budget needs
+GEOMETRY = 7  # behind those, for superquadrics
 DEEPEST = 0.5  # overlap over the smaller radius that the guard allows
 
 
@@ -107,24 +109,34 @@ class Features:
     ONE_LAW: bool
     SAME_TORQUE: bool
     GUARD: bool
+    SHAPES: bool
+    CLUMPS: bool
+    TORQUES: bool
+    HOW: tuple[int, int, float]
+    BOOKS: int
+    GEOMETRY: int
+    SCHEME: str
+    CLUMP_SCHEME: str
 
 
 def features(scene: Scene, threads: int = 1, *, budget: bool = False, virial: bool = False, sleeps: bool = False, guard: bool = False) -> Features:
     """What the loop of this scene needs. Raises ValueError for two integrators in one scene."""
     pair = scene.pair if meets(scene) else None
     schemes = {type(integrator) for integrator in scene.integrate}
-    if len(schemes) > 1:
+    if EulerSphere in schemes and len(schemes) > 1:
         message = f"one scene has one integrator, not {' and '.join(sorted(scheme.__name__ for scheme in schemes))}"
         raise ValueError(message)
+    shapes, clumps = scene.particles.superquadrics is not None, scene.particles.clumps is not None
+    base, books = len(memory_signs(pair)), BOOKS_OF_SHAPES if shapes else BOOKS
     rubs = any(law.friction != "none" or turns(law) for law in laws_of(scene))
     aside = shifting(scene) or implicit(scene)
     return Features(
         PAIRS=pair is not None,
         FRICTION=pair is not None and pair.friction != "none",
         ROLLING=pair is not None and turns(pair),
-        ROTATES=budget or rubs or any(isinstance(f, Enforce2D) for f in scene.forces),
+        ROTATES=budget or rubs or shapes or clumps or any(isinstance(f, Enforce2D) for f in scene.forces),
         BEYOND=pair is not None and goes_beyond(pair),
-        BASE=len(memory_signs(pair)),
+        BASE=base,
         OUTLIVES=scene.history_outlives_contact,
         BUDGET=budget,
         VIRIAL=virial,
@@ -139,10 +151,18 @@ def features(scene: Scene, threads: int = 1, *, budget: bool = False, virial: bo
         THREADED=threads > 1 and not aside and len(scene.particles.id) > CHUNK,
         CHUNK=1 << 60 if aside else CHUNK,
         SLEEPS=sleeps,
-        FREE=pair is not None and not scene.forces and not scene.walls and not aside,
+        FREE=pair is not None and not scene.forces and not scene.walls and not aside and not shapes and not clumps,
         UNIFORM=_uniform(scene),
         SAME_TORQUE=_uniform(scene) and pair is not None and not turns(pair),
         GUARD=guard,
+        SHAPES=shapes,
+        CLUMPS=clumps,
+        TORQUES=pair is not None and (pair.friction != "none" or turns(pair) or shapes),
+        HOW=(int(scene.contact_point == "gauge"), CURVATURES[pair.curvature] if pair else 0, min(pair.curvature_limit, 1e300) if pair else 1e300),
+        BOOKS=books,
+        GEOMETRY=base + (books if budget else 0),
+        SCHEME=_scheme(scene, NveSuperquadric),
+        CLUMP_SCHEME=_scheme(scene, NveClumps),
         ONE_LAW=pair is not None and bool((coefficient_table(pair) == coefficient_table(pair)[0]).all()),
     )
 
@@ -155,8 +175,19 @@ def turns(law: ContactLaw) -> bool:
 def _uniform(scene: Scene) -> bool:
     """Whether all particles have one radius and mass, and those that move one inertia: nothing of the kind is looked up then."""
     p = scene.particles
-    factors = {integrator.inertia for integrator in scene.integrate}
+    factors = {factor_of(integrator) for integrator in scene.integrate}
+    if p.superquadrics is not None or p.clumps is not None:
+        return False
     return len(p.id) > 0 and len(factors) < 2 and bool((p.radius == p.radius[0]).all() and (p.mass == p.mass[0]).all())
+
+
+def _scheme(scene: Scene, kind: type[NveSuperquadric | NveClumps]) -> str:
+    """Of the bodies that integrators of this kind move. Raises ValueError where two of them differ."""
+    found = {integrator.scheme for integrator in scene.integrate if isinstance(integrator, kind)}
+    if len(found) > 1:
+        message = f"one scene has one rotation scheme for {kind.__name__}, not {' and '.join(sorted(found))}"
+        raise ValueError(message)
+    return found.pop() if found else kind().scheme
 
 
 NO_LAW = f"""
@@ -201,7 +232,9 @@ def shared_source(name: str, has: Features) -> str:
     """The text of a template that knows no law, behind only those constants that it names: one module for all scenes that agree in them."""
     text = _template(name)
     constants = {"HOME": HOME, "PARTNER_FEELS": PARTNER_FEELS, "BLOCK": BLOCK, **asdict(has)}
-    head = [f"{key} = {value}" for key, value in constants.items() if re.search(rf"\b{key}\b", text)]
+    head = [f"{key} = {value!r}" for key, value in constants.items() if re.search(rf"(?<!\.)\b{key}\b", text)]
+    for scheme in ("SCHEME", "CLUMP_SCHEME"):
+        text = text.replace(f"demsolver.rotation.{scheme} ", f"demsolver.rotation.{constants[scheme]} ")
     return "\n\n".join([*compilers(has), *head, text])
 
 
@@ -217,8 +250,8 @@ def source(scene: Scene, has: Features) -> str:
         f"ROLLING_INERTIA = {scene.rolling_inertia}",
         f"DEEPEST = {DEEPEST}",
         "TINY = 1e-200  # at zero overlap, where LIGGGHTS' walls touch already, stiffness is a limit",
-        *(f"{name} = {value}" for name, value in asdict(has).items()),
-        *(f"from {_load(shared_source(name, has)).__name__} import *" for name in ("motion", "near")),
+        *(f"{name} = {value!r}" for name, value in asdict(has).items()),
+        *(f"from {_load(shared_source(name, has), _geometry_modules(has)).__name__} import *" for name in _shared(has)),
         *(law_imports(name, law) for name, law in laws),
         *(contact_source(name, law, one=name == "pair" and has.ONE_LAW, lanes=name == "pair") for name, law in laws),
         NO_LAW if pair is None else "",
@@ -233,6 +266,21 @@ def source(scene: Scene, has: Features) -> str:
 
 def _template(name: str) -> str:
     return (HERE / f"kernel_{name}.py").read_text()
+
+
+def _shared(has: Features) -> list[str]:
+    """The templates that know no law, and that this scene needs."""
+    return ["motion", "near", *(["shape", "turn"] if has.SHAPES else []), *(["clumps"] if has.CLUMPS else [])]
+
+
+def _geometry_modules(has: Features) -> tuple[str, ...]:
+    """Modules whose functions these call."""
+    shapes = ("surface", "planes", "pairs") if has.SHAPES else ()
+    schemes = [has.SCHEME] * has.SHAPES + [has.CLUMP_SCHEME] * has.CLUMPS
+    names = [*(f"demsolver.superquadric.{name}" for name in shapes), *(f"demsolver.rotation.{name}" for name in schemes)]
+    for name in names:
+        importlib.import_module(name)
+    return (*names, "demsolver.superquadric", "demsolver.algebra") if names else ()
 
 
 def specialise(scene: Scene, has: Features) -> ModuleType:

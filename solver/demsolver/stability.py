@@ -134,7 +134,7 @@ class _Meetings:
 
     def _lightest_pairs(self) -> Iterator[tuple[int, int]]:
         """For each pair of types that can meet and move, its two lightest particles."""
-        excluded, classes = neighbors.exclusions(self.scene, self.scene.particles.mask, self._kind)
+        excluded, classes, _ = neighbors.exclusions(self.scene, self.scene.particles.mask, self._kind)
         order = np.argsort(-self._ease, kind="stable")
         code = self._kind[order] * len(excluded) + classes[order]
         first = {int(c): order[code == c][:2].tolist() for c in np.unique(code)}

@@ -128,7 +128,7 @@ def _ask(contact: Any, state: Any, overlap: float, vn: float, speed: float, dt: 
     ratio = (radius - 0.5 * overlap) / (radius - overlap) if partner == np.inf and radius != overlap else 1.0
     return contact(
         memory, 0, overlap, radius, 1.0 / partner, state[4], state[5], state[6], ratio, vn, 1.0, 0.0, 0.0, 0.0, speed, 0.0, speed, speed, 0.0,
-        dt, True, coefficients, int(state[0]),
+        dt, True, 1.0, coefficients, int(state[0]),
     )  # fmt: skip
 
 

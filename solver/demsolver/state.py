@@ -7,7 +7,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from demsolver.scene import EulerSphere, Freeze, Scene
+from demsolver.scene import EulerSphere, Freeze, Gravity, NveClumps, NveSphere, Particles, Scene
+from demsolver.shapes import superquadric
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -21,6 +22,9 @@ class Bodies(NamedTuple):
     are alike (1, 3), for all. omega, torque, spin: (0, 3) where nothing turns anything. held: (n, 3) positions at the last list build.
     aside: (n, 3) what step laws move a particle by on top; in implicit scenes the part of the force that the step solves anew: springs and
     gravity; (0, 3) in other scenes.
+    Of scenes with superquadrics, else of no rows: quat, angmom, inertia, axes, blockiness as in scene.Superquadrics, and size (n,), the radius of a
+    sphere of the same volume. Of scenes with clumps: clump (n,) the row of the clump, -1 if free; heft (n,) the mass that contacts see, of the
+    whole clump.
     """
 
     x: Floats
@@ -38,6 +42,38 @@ class Bodies(NamedTuple):
     moving: NDArray[np.bool_]
     held: Floats
     aside: Floats
+    quat: Floats
+    angmom: Floats
+    inertia: Floats
+    axes: Floats
+    blockiness: Floats
+    size: Floats
+    clump: Ints
+    heft: Floats
+
+
+class Rigid(NamedTuple):
+    """Clumps, m rows; members of clump c: first[c]:first[c + 1] of the arrays of members. Changed in place by the compiled loop.
+
+    member: (k,) row of the particle. offset: (k, 3) from the centre of mass along the principal axes. home: (k, 3) what periodic wraps
+    have added to the member's place. x, v, angmom, omega, force, torque, inertia: (m, 3); quat: (m, 4); mass: (m,). weight: (m, 3) acceleration that
+    pulls at the centre.
+    """
+
+    first: Ints
+    member: Ints
+    offset: Floats
+    home: Floats
+    x: Floats
+    v: Floats
+    quat: Floats
+    angmom: Floats
+    omega: Floats
+    force: Floats
+    torque: Floats
+    mass: Floats
+    inertia: Floats
+    weight: Floats
 
 
 class Flat(NamedTuple):
@@ -104,7 +140,64 @@ def bodies_of(scene: Scene, *, aside: bool = False, rotates: bool = True, unifor
         moving=moved(scene),
         held=_copy(p.x),
         aside=np.zeros((n if aside else 0, 3)),
+        **_shaped(p),
+        clump=np.array(p.clumps.body if p.clumps else np.zeros(0), dtype=np.int64),
+        heft=_heft(p),
     )
+
+
+def _shaped(p: Particles) -> dict[str, Floats]:
+    """What Bodies hold of superquadrics."""
+    one = p.superquadrics
+    if one is None:
+        return {"size": np.zeros(0), **{name: np.zeros((0, c)) for name, c in _SHAPED.items()}}
+    size, shaped = np.array(p.radius, dtype=np.float64), one.axes[:, 0] > 0.0
+    size[shaped] = superquadric.equivalent_radius(one.axes[shaped], one.blockiness[shaped])
+    return {"size": size, **{name: _copy(getattr(one, name)) for name in _SHAPED}}
+
+
+_SHAPED = {"quat": 4, "angmom": 3, "inertia": 3, "axes": 3, "blockiness": 2}
+
+
+def _heft(p: Particles) -> Floats:
+    if p.clumps is None:
+        return np.zeros(0)
+    member = p.clumps.body >= 0
+    heft = _copy(p.mass)
+    heft[member] = p.clumps.mass[p.clumps.body[member]]
+    return heft
+
+
+def rigid_of(scene: Scene) -> Rigid:
+    """Fresh arrays of a scene's clumps; of a scene without them arrays without rows."""
+    c = scene.particles.clumps
+    if c is None:
+        none, three = np.zeros(0, dtype=np.int64), {name: np.zeros((0, 3)) for name in Rigid._fields}
+        return Rigid(**three | {"first": np.zeros(1, dtype=np.int64), "member": none, "quat": np.zeros((0, 4)), "mass": np.zeros(0)})
+    member = np.argsort(c.body, kind="stable")[int((c.body < 0).sum()) :]
+    m = len(c.id)
+    first = np.searchsorted(c.body[member], np.arange(m + 1)).astype(np.int64)
+    weight = np.zeros((m, 3))
+    for field in scene.forces if not c.members_weigh else ():
+        if isinstance(field, Gravity):
+            weight[selected(c.mask, field.bit)] += field.acceleration
+    home = scene.particles.image[member] * (np.asarray(scene.box.lo) - np.asarray(scene.box.hi))
+    moves = {name: _copy(getattr(c, name)) for name in ("x", "v", "quat", "angmom", "omega", "mass", "inertia")}
+    return Rigid(
+        first=first, member=member, offset=_copy(c.offset[member]), home=_copy(home), force=np.zeros((m, 3)), torque=np.zeros((m, 3)),
+        weight=weight, **moves,
+    )  # fmt: skip
+
+
+def placed(c: Rigid, b: Bodies) -> None:
+    """Puts the members where their clumps are, in place; b in the scene's order."""
+    from demsolver.shapes.rotation import to_space
+
+    who = np.repeat(np.arange(len(c.mass)), np.diff(c.first))
+    arm = to_space(c.quat[who], c.offset)
+    b.x[c.member] = c.x[who] + arm + c.home
+    b.v[c.member] = c.v[who] + np.cross(c.omega[who], arm)
+    b.omega[c.member] = c.omega[who]
 
 
 def flat_of(bodies: Bodies) -> Flat:
@@ -114,24 +207,37 @@ def flat_of(bodies: Bodies) -> Flat:
 
 def moved(scene: Scene) -> NDArray[np.bool_]:
     """(n,) whether an integrator moves the particle."""
-    found = np.zeros(len(scene.particles.id), dtype=bool)
+    p = scene.particles
+    clumped = p.clumps.body >= 0 if p.clumps else np.zeros(len(p.id), dtype=bool)
+    found = np.zeros(len(p.id), dtype=bool)
     for integrator in scene.integrate:
-        found |= selected(scene.particles.mask, integrator.bit)
+        found |= clumped if isinstance(integrator, NveClumps) else selected(p.mask, integrator.bit) & ~clumped
     return found
 
 
 def _integration(scene: Scene) -> tuple[Floats, Floats]:
-    """kick and spin, (n,): of a particle that nothing moves those of the last integrator."""
+    """kick and spin, (n,): of a particle that nothing moves those of the last integrator; 0 of what turns as a whole."""
     p = scene.particles
     kick, spin = (np.zeros(len(p.id)) for _ in range(2))
     for integrator in scene.integrate:
+        if isinstance(integrator, NveClumps):
+            continue
         part = scene.timestep * (1.0 if isinstance(integrator, EulerSphere) else 0.5)
         todo = selected(p.mask, integrator.bit) | ~moved(scene)
         kick[todo] = part / p.mass[todo]
-        inertia = integrator.inertia * p.mass * p.radius**2
+        inertia = factor_of(integrator) * p.mass * p.radius**2
         turns = todo & (p.radius > 0.0)
         spin[turns] = part / inertia[turns]
+    if p.superquadrics is not None:
+        spin[p.superquadrics.axes[:, 0] > 0.0] = 0.0
+    if p.clumps is not None:
+        kick[p.clumps.body >= 0] = spin[p.clumps.body >= 0] = 0.0
     return kick, spin
+
+
+def factor_of(integrator: object) -> float:
+    """Moment of inertia of its spheres over m R^2."""
+    return integrator.inertia if isinstance(integrator, NveSphere | EulerSphere) else 0.4
 
 
 def inertia_of(scene: Scene) -> Floats:
@@ -144,7 +250,8 @@ def inertias(scene: Scene, mask: Ints, mass: Floats, radius: Floats) -> Floats:
     """The same of particles of a scene, in any order."""
     factor = np.full(len(mask), 0.4)
     for integrator in scene.integrate:
-        factor[selected(mask, integrator.bit)] = integrator.inertia
+        if not isinstance(integrator, NveClumps):
+            factor[selected(mask, integrator.bit)] = factor_of(integrator)
     return factor * mass * radius**2
 
 
@@ -162,5 +269,7 @@ def outside(array: NDArray[Any], order: Ints) -> NDArray[Any]:
 
 
 def movers_first(b: Bodies, rows: Ints) -> Ints:
-    """`rows` with those of particles that move before the others."""
-    return np.concatenate([rows[b.moving[rows]], rows[~b.moving[rows]]])
+    """`rows` with those of particles that move before the others, free ones before members of clumps."""
+    clumped = b.clump[rows] >= 0 if len(b.clump) else np.zeros(len(rows), dtype=bool)
+    moving = b.moving[rows]
+    return np.concatenate([rows[moving & ~clumped], rows[moving & clumped], rows[~moving]])

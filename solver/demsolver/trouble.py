@@ -42,6 +42,15 @@ def _why(scene: Scene) -> str:
     return f"{formula}{'or ' if added else ''}the timestep {scene.timestep:g} is too long, or particles overlap too far"
 
 
+def lost_points(count: int, step: int, scene: Scene) -> str:
+    """That contact points of superquadrics were not found."""
+    gauge = "" if scene.contact_point == "gauge" else ", or have the contact point by growth (contact_point gauge), which exists at any depth"
+    return (
+        f"{count} contacts of superquadrics had no contact point that was found by step {step}: they overlap too deeply; start them apart, make the "
+        f"contact stiffer, shorten the timestep {scene.timestep:g}{gauge}"
+    )
+
+
 def refused(code: int, step: int, scene: Scene) -> str:
     """What an implicit step that gave up means by its answer."""
     if code == NOT_SOLVED:

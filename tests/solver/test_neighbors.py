@@ -319,7 +319,8 @@ def carried(old: Pairs, scene: Scene, wraps: np.ndarray, place: np.ndarray, *, o
     bodies = bodies_of(scene, aside=False)
     new = build(scene, old.memory.shape[1], bodies=bodies)
     shifts = SHIFTS * (np.array(scene.box.hi) - scene.box.lo)
-    neighbors.carry(neighbors.remembered(old), new, wraps, outlives, SIGNS, bodies, shifts, place)
+    columns = neighbors.columns_of(SIGNS, old.memory.shape[1] - len(SIGNS))
+    neighbors.carry(neighbors.remembered(old), new, wraps, outlives, columns, bodies, shifts, place)
     return new
 
 

@@ -13,6 +13,7 @@ from demverify.deck.delegate import delegated
 from demverify.deck.interpreter import Interpreter
 from demverify.deck.particles import center, density_mass, members, no_atoms, unfolded, velocity_of_center, wrap
 from demverify.deck.regions import find_region, region_scale
+from demverify.deck.set_shape import SHAPES, set_shape
 from demverify.deck.setup import Atoms, Floats, Ints
 
 _SELECT = ("atom", "type", "group", "region")
@@ -78,6 +79,8 @@ def _bounds(cmd: Command, largest: int) -> tuple[int, int]:
 
 def _keywords(deck: Interpreter) -> tuple[str, ...]:
     spins = tuple(_SPINS) if deck.setup.dialect == "liggghts" else ("omega", "density/disc")
+    if deck.setup.atom_style == "superquadric":
+        return ("type", *SHAPES, "density", "mass", *_POSITIONS, *_VELOCITIES, *spins, "image")
     return ("type", "diameter", "density", "mass", *_POSITIONS, *_VELOCITIES, *spins, "image", "type/fraction")
 
 
@@ -85,6 +88,8 @@ def _set_one(deck: Interpreter, cmd: Command, atoms: Atoms, rows: Ints) -> None:
     keyword = cmd.choice("keyword", _keywords(deck))
     if keyword == "type":
         atoms.type[rows] = cmd.integer("type", 1, deck.setup.ntypes)
+    elif deck.setup.atom_style == "superquadric" and keyword in (*SHAPES, "density", "mass", *_SPINS):
+        set_shape(cmd, atoms, rows, keyword)
     elif keyword in ("diameter", "density", "density/disc", "mass"):
         _set_size(deck, cmd, atoms, rows, keyword)
     elif keyword == "omega":

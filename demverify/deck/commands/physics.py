@@ -12,9 +12,9 @@ from demverify.deck.timestep_gran import STYLE as CHECK_TIMESTEP
 from demverify.deck.timestep_gran import check_of
 
 _BOTH = ("gravity", "nve/sphere", "freeze", "wall/gran", "setforce", "enforce2d", "viscous", "addforce", "print")
-_FIXES = {"lammps": (*_BOTH, "euler/sphere", "wall/gran/region"), "liggghts": (*_BOTH, "property/global", CHECK_TIMESTEP)}
+_FIXES = {"lammps": (*_BOTH, "euler/sphere", "wall/gran/region"), "liggghts": (*_BOTH, "nve/superquadric", "property/global", CHECK_TIMESTEP)}
 _OUTPUT_FIXES = ("ave/time", "ave/atom", "ave/histo", "ave/spatial", "ave/chunk", "ave/euler", "balance")  # they only watch: noted and left out
-_COMPUTES = {"lammps": ("erotate/sphere", "ke", "reduce"), "liggghts": ("erotate/sphere", "erotate", "ke", "reduce")}
+_COMPUTES = {"lammps": ("erotate/sphere", "ke", "reduce"), "liggghts": ("erotate/sphere", "erotate/superquadric", "erotate", "ke", "reduce")}
 _BUILT_IN = ("thermo_temp", "thermo_press", "thermo_pe")
 
 

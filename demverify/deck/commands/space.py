@@ -77,9 +77,9 @@ def _faces(cmd: Command, axis: str) -> str:
 
 @command("atom_style")
 def atom_style(deck: Interpreter, cmd: Command) -> None:
-    """atom_style sphere|granular [0|1]"""
+    """atom_style sphere|granular|superquadric [0|1]"""
     before_box(deck, cmd)
-    cmd.choice("style", ("sphere", "granular") if deck.setup.dialect == "liggghts" else ("sphere",))
+    deck.setup.atom_style = cmd.choice("style", ("sphere", "granular", "superquadric") if deck.setup.dialect == "liggghts" else ("sphere",))
     if cmd and cmd.integer("radius flag", 0, 1) == 1:
         deck.ignore(cmd)  # the radius may vary in time, which nothing here does
     cmd.end()

@@ -25,6 +25,11 @@ def volume(shape: Floats, blockiness: Floats | None = None) -> Floats:
     return np.asarray(_each(_height, n1) * _each(_area, n2) * shape.prod(axis=1))
 
 
+def equivalent_radius(shape: Floats, blockiness: Floats | None = None) -> Floats:
+    """(n,) radius of spheres of the same volume. Arguments and errors as `volume`."""
+    return np.asarray(np.cbrt(3.0 * volume(shape, blockiness) / (4.0 * np.pi)))
+
+
 def inertia_per_mass(shape: Floats, blockiness: Floats | None = None) -> Floats:
     """Principal moments of inertia about the body axes, divided by the mass: (n, 3), length^2. Arguments and errors as `volume`."""
     n1, n2 = checked(shape, blockiness)

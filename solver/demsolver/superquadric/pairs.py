@@ -22,7 +22,7 @@ from math import sqrt
 
 from demsolver.algebra import Vector, compiled, dot, length, to_space
 from demsolver.superquadric import Body
-from demsolver.superquadric.surface import Symmetric, curve, gauge, gauge_curve, in_space, leaves, seen, slope
+from demsolver.superquadric.surface import Symmetric, curvature, curve, gauge, gauge_curve, in_space, leaves, seen, slope
 
 POTENTIAL, GAUGE = 0, 1
 CLOSE = 1e-14
@@ -160,6 +160,15 @@ def chord(p: Vector, i: Body, j: Body) -> tuple[float, Vector]:
     if max(fi, fj) >= 0.0:
         return 0.0, n
     return leaves(p, (-n[0], -n[1], -n[2]), i) + leaves(p, n, j), n
+
+
+@compiled
+def chord_curvature(p: Vector, n: Vector, i: Body, j: Body, kind: int) -> float:
+    """Sum of the curvatures (surface.curvature) at both ends of the chord through p along n."""
+    si, sj = leaves(p, (-n[0], -n[1], -n[2]), i), leaves(p, n, j)
+    a = p[0] - si * n[0], p[1] - si * n[1], p[2] - si * n[2]
+    b = p[0] + sj * n[0], p[1] + sj * n[1], p[2] + sj * n[2]
+    return curvature(seen(a, i), i, kind) + curvature(seen(b, j), j, kind)
 
 
 @compiled

@@ -54,7 +54,7 @@ class Shaped:
     @property
     def radius(self) -> Floats:
         """(n,) of spheres of the same volume."""
-        return np.asarray(np.cbrt(3.0 * superquadric.volume(self.shape, self.blockiness) / (4.0 * np.pi)))
+        return superquadric.equivalent_radius(self.shape, self.blockiness)
 
     def bodies(self) -> list[Body]:
         """For the geometry."""

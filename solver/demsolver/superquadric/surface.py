@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from demsolver.algebra import Vector, compiled, to_body, to_space
+from demsolver.algebra import Vector, compiled, dot, to_body, to_space
 from demsolver.superquadric import Body
 
+MEAN, GAUSSIAN = 1, 2
 Symmetric = tuple[float, float, float, float, float, float]
 """xx, yy, zz, xy, xz, yz of a matrix."""
 
@@ -103,6 +104,26 @@ def gauge_curve(u: Vector, body: Body) -> Symmetric:
         part * h[0] + more * g[0] * g[0], part * h[1] + more * g[1] * g[1], part * h[2] + more * g[2] * g[2],
         part * h[3] + more * g[0] * g[1], more * g[0] * g[2], more * g[1] * g[2],
     )  # fmt: skip
+
+
+@compiled
+def curvature(u: Vector, body: Body, kind: int) -> float:
+    """Of the surface where the line from the centre to u goes through it, u along the body axes. kind: MEAN |n.H n - tr H|/(2|g|), or GAUSSIAN, the
+    root of its size, sqrt |det [H g; g 0]|/|g|^2, with the gradient g, n = g/|g|, and second derivatives H."""
+    f, _ = plain(u, body)
+    part = f ** (-1.0 / body.n1)
+    at = part * u[0], part * u[1], part * u[2]
+    _, g = slope(at, body)
+    xx, yy, zz, xy, xz, yz = curve(at, body)
+    square = dot(g, g)
+    if kind == MEAN:
+        along = xx * g[0] * g[0] + yy * g[1] * g[1] + zz * g[2] * g[2] + 2.0 * (xy * g[0] * g[1] + xz * g[0] * g[2] + yz * g[1] * g[2])
+        return float(abs(along / square - xx - yy - zz) / (2.0 * square**0.5))
+    # g . adj(H) g
+    a, b, c = yy * zz - yz * yz, xx * zz - xz * xz, xx * yy - xy * xy
+    d, e, h = xz * yz - xy * zz, xy * yz - xz * yy, xy * xz - xx * yz
+    det = a * g[0] * g[0] + b * g[1] * g[1] + c * g[2] * g[2] + 2.0 * (d * g[0] * g[1] + e * g[0] * g[2] + h * g[1] * g[2])
+    return float(abs(det) ** 0.5 / square)
 
 
 @compiled
