@@ -199,8 +199,9 @@ def walls_source(scene: Scene) -> str:
         forces.append(f"""{head}{_rotation_source(wall.shape)}{inside}
         if touches:
             touching[i] = 1
-            wall{k}_force(i, nx, ny, nz, overlap, reff, {"ax, ay, az, round_" if shapes else "0.0, 0.0, 0.0, True"}, wvx, wvy, wvz, turning, b,
-            memory, coefficients, dt, advance, tally) elif touching[i]:
+            wall{k}_force(i, nx, ny, nz, overlap, reff, {"ax, ay, az, round_" if shapes else "0.0, 0.0, 0.0, True"}, wvx, wvy, wvz, turning,
+                b, memory, coefficients, dt, advance, tally)
+        elif touching[i]:
             touching[i] = 0{snap}
             wall_parting(i, {len(memory_signs(wall.law))}, wvx, wvy, wvz, turning, b, memory, dt, advance, tally)
 """)

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import gc
 import hashlib
+import importlib
 import importlib.util
 import inspect
 import os
@@ -251,11 +252,12 @@ def source(scene: Scene, has: Features) -> str:
         f"DEEPEST = {DEEPEST}",
         "TINY = 1e-200  # at zero overlap, where LIGGGHTS' walls touch already, stiffness is a limit",
         *(f"{name} = {value!r}" for name, value in asdict(has).items()),
-        *(f"from {_load(shared_source(name, has), _geometry_modules(has)).__name__} import *" for name in _shared(has)),
+        *(f"from {_load(shared_source(name, has), modules).__name__} import *" for name, modules in _shared(has).items()),
         *(law_imports(name, law) for name, law in laws),
         *(contact_source(name, law, one=name == "pair" and has.ONE_LAW, lanes=name == "pair") for name, law in laws),
         NO_LAW if pair is None else "",
         _template("contact"),
+        _template("books"),
         walls_source(scene),
         fields_source(scene, implicit=has.IMPLICIT, rotates=has.ROTATES),
     ]
@@ -268,19 +270,16 @@ def _template(name: str) -> str:
     return (HERE / f"kernel_{name}.py").read_text()
 
 
-def _shared(has: Features) -> list[str]:
-    """The templates that know no law, and that this scene needs."""
-    return ["motion", "near", *(["shape", "turn"] if has.SHAPES else []), *(["clumps"] if has.CLUMPS else [])]
-
-
-def _geometry_modules(has: Features) -> tuple[str, ...]:
-    """Modules whose functions these call."""
-    shapes = ("surface", "planes", "pairs") if has.SHAPES else ()
-    schemes = [has.SCHEME] * has.SHAPES + [has.CLUMP_SCHEME] * has.CLUMPS
-    names = [*(f"demsolver.superquadric.{name}" for name in shapes), *(f"demsolver.rotation.{name}" for name in schemes)]
-    for name in names:
-        importlib.import_module(name)
-    return (*names, "demsolver.superquadric", "demsolver.algebra") if names else ()
+def _shared(has: Features) -> dict[str, tuple[str, ...]]:
+    """The templates that know no law, and that this scene needs: name -> the modules of which they call functions."""
+    found: dict[str, tuple[str, ...]] = {"motion": (), "near": ()}
+    algebra, geometry = "demsolver.algebra", "demsolver.superquadric"
+    if has.SHAPES:
+        found["shape"] = (algebra, geometry, *(f"{geometry}.{part}" for part in ("surface", "planes", "pairs")))
+        found["turn"] = (algebra, f"demsolver.rotation.{has.SCHEME}")
+    if has.CLUMPS:
+        found["clumps"] = (algebra, f"demsolver.rotation.{has.CLUMP_SCHEME}")
+    return found
 
 
 def specialise(scene: Scene, has: Features) -> ModuleType:
@@ -308,7 +307,7 @@ def _load(text: str, modules: tuple[str, ...] = ()) -> ModuleType:
     """The module of this text, which binds functions of `modules`: its name says what went in."""
     import numba
 
-    laws = "".join(inspect.getsource(sys.modules[name]) for name in modules)
+    laws = "".join(inspect.getsource(importlib.import_module(name)) for name in modules)
     digest = hashlib.sha256(f"{text}\x00{laws}\x00{sys.version}\x00{numba.__version__}".encode()).hexdigest()[:16]
     name = f"demsolver_{digest}"
     path = cache_folder() / f"{name}.py"

@@ -172,8 +172,9 @@ def rigid_of(scene: Scene) -> Rigid:
     """Fresh arrays of a scene's clumps; of a scene without them arrays without rows."""
     c = scene.particles.clumps
     if c is None:
-        none, three = np.zeros(0, dtype=np.int64), {name: np.zeros((0, 3)) for name in Rigid._fields}
-        return Rigid(**three | {"first": np.zeros(1, dtype=np.int64), "member": none, "quat": np.zeros((0, 4)), "mass": np.zeros(0)})
+        empty: dict[str, Any] = {name: np.zeros((0, 3)) for name in Rigid._fields}
+        none = np.zeros(0, dtype=np.int64)
+        return Rigid(**empty | {"first": np.zeros(1, dtype=np.int64), "member": none, "quat": np.zeros((0, 4)), "mass": np.zeros(0)})
     member = np.argsort(c.body, kind="stable")[int((c.body < 0).sum()) :]
     m = len(c.id)
     first = np.searchsorted(c.body[member], np.arange(m + 1)).astype(np.int64)
