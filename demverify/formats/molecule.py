@@ -161,7 +161,7 @@ def _sections(file: _File, header: dict[str, list[float]]) -> dict[str, Floats]:
     found: dict[str, Floats] = {}
     passed: set[str] = set()
     while (words := file.next()) is not None:
-        if found and file.stops():
+        if (found or passed) and file.stops():
             raise file.error("a line of comment between sections: LAMMPS reads nothing after it; expected a blank line, or the name of a section")
         if not words:
             continue

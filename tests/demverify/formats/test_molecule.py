@@ -72,7 +72,7 @@ def test_scale(tmp_path: Path) -> None:
     "text",
     [
         HEAD + "\n" + SIZES + TYPES + COORDS,
-        "# all comment\n# and another\n\n 2 atoms # of them\n\n" + COORDS.replace("Coords", "# first\n  Coords # x y z") + TYPES + SIZES + "\n# end\n",
+        "# comment\n# more\n\n 2 atoms # of them\n\n" + COORDS.replace("Coords", "# first\n  Coords # x y z") + TYPES + SIZES + "\n# end\n",
         WHOLE.replace("1 0 0 0\n2 3 0 0", "2 3e0 0 0 # right\r\n1\t-0. 0.0 0"),
         WHOLE.rstrip(),
         HEAD + "1 bonds\n" + COORDS + "\nCharges\n\n1 0.5\n2 0.1\n" + TYPES + "\nBonds\n\n1 1 1 2\n" + SIZES,
