@@ -77,7 +77,7 @@ precision highp float;
 uniform vec3 stroke;
 out vec4 pixel;
 void main() { pixel = vec4(stroke, 1.0); }`;
-const OUTLINE = 0.0022;  // how much larger, for its distance, what surrounds the picked particle is
+const OUTLINE = 0.0015;  // how much larger, for its distance, what surrounds the picked particle is
 
 // viridis (perceptually uniform) without its darkest tenth, which a dark page would swallow
 const COLOURS = ["#482576", "#414487", "#35608d", "#2a788e", "#21908c", "#22a884", "#43bf71", "#7ad151", "#bbdf27", "#fde725"];

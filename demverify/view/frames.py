@@ -176,7 +176,7 @@ def viewed(
     _check_something_is_seen(scenes, alone)
     notes += [f"{len(alone)} steps with particles but no bodies are left out: {_listed(alone)}"] if alone else []
     if kept.stride > every:
-        notes.append(f"{len(scenes)} of {kept.came} frames are in the page, one of {kept.stride}: more would make it too large or too many")
+        notes.append(f"{len(scenes)} of {kept.came} frames are in the page, one of every {kept.stride} (--most-frames, or a page of 30 MB)")
     sound = all(np.isfinite(row.erotate) and np.isfinite(row.ke or 0.0) for row, _ in kept.rows.rows)
     return Viewed(scenes, list(kept.rows.series(notes).notes), sound)
 
@@ -223,7 +223,7 @@ def _scene(frame: Frame, request: Request, found: FrameEnergies, bodies: _BodyEn
     population = population_of(frame, meanings)
     n = len(population.id)
     body = np.zeros(n, np.int64) if population.body is None else np.maximum(population.body, 0)
-    solid = np.zeros(n, bool) if population.shape is None else population.shape.any(axis=1)
+    solid = np.zeros(n, bool) if population.shape is None else np.asarray(population.shape.any(axis=1))
     x, size = _x(population, present), _size(population, solid, present)
     quat = _quat(frame, solid, present)
     erotate, ke = _of_particles(found, population.id), _ke(population.mass, population.v, n, energy_factor(frame, meanings))
@@ -312,7 +312,7 @@ def _check_something_is_seen(scenes: Sequence[Scene], alone: Sequence[int]) -> N
         message = f"the dump of bodies has none of the steps of the particles (those start at {alone[0]})"
         raise InputError(message)
     if not any(len(scene.x) for scene in scenes):
-        message = f"nothing to be seen: {len(scenes)} whole frames, without a particle that has an extent"
+        message = f"nothing to be seen: {'no particle has an extent' if scenes else 'there is no whole frame'}"
         raise InputError(message)
 
 

@@ -5,7 +5,7 @@ const CLICK = 5;  // pixels that a finger may slip on a click
 const PLAY = "M4 2l9 6-9 6z", PAUSE = "M3 2h4v12H3zM9 2h4v12H9z";
 
 const canvas = $("canvas"), slider = $("slider");
-let renderer, frame, playing = 0, waiting = false, pointer = null, hovered = -1, pinned = null;  // pinned: id and whether it is of a clump
+let renderer, frame, playing = 0, waiting = false, told = "", pointer = null, hovered = -1, pinned = null;  // pinned: id and whether it is of a clump
 
 const middle = numbers.low.map((v, k) => 0.5 * (v + numbers.high[k]));
 const reach = 0.5 * Math.hypot(...numbers.low.map((v, k) => numbers.high[k] - v)) || 1;
@@ -23,7 +23,8 @@ function resetView() {
   Object.assign(camera, { azimuth: -Math.PI / 3, elevation: Math.PI / 9, distance: reach, target: [...middle] });
   const { rows, projection } = eyesOf(camera), ends = [numbers.low, numbers.high];
   for (let corner = 0; corner < 8; corner++) {
-    const arm = middle.map((v, k) => ends[corner >> k & 1][k] - v), [right, up, back] = rows.map((row) => row.reduce((sum, v, k) => sum + v * arm[k], 0));
+    const arm = middle.map((v, k) => ends[corner >> k & 1][k] - v);
+    const [right, up, back] = rows.map((row) => row.reduce((sum, v, k) => sum + v * arm[k], 0));
     for (const aside of [right * projection[0], up * projection[1]]) camera.distance = Math.max(camera.distance, back + 1.08 * Math.abs(aside));
   }
 }
@@ -55,14 +56,20 @@ function wanted() {
 }
 
 function draw() {
+  const which = paint();
+  tell(which);
+  page.dataset.drew = `frame ${frame.index}: ${frame.n} particles`;
+}
+
+// The picture; gives the particle that is picked.
+function paint() {
   const scale = Math.min(2, window.devicePixelRatio || 1);
   const [width, height] = [canvas.clientWidth, canvas.clientHeight].map((length) => Math.max(1, Math.round(scale * length)));
   if (canvas.width !== width || canvas.height !== height) [canvas.width, canvas.height] = [width, height];
   const eyes = eyesOf(camera), which = pinned ? pinnedAt() : hovered;
   renderer.draw(eyes, which < 0 ? -1 : frame.set.groups[which]);
   drawTriad(eyes);
-  tell(which);
-  page.dataset.drew = `frame ${frame.index}: ${frame.n} particles`;
+  return which;
 }
 
 function drawTriad({ rows }) {
@@ -92,6 +99,7 @@ function play(on) {
   playing = on && numbers.frames.length > 1 ? setInterval(() => step(1), 1000 / FRAMES_A_SECOND) : 0;
   $("sign").setAttribute("d", playing ? PAUSE : PLAY);
   $("play").setAttribute("aria-label", playing ? "Pause" : "Play");
+  $("picked").setAttribute("aria-live", playing ? "off" : "polite");
 }
 
 // ---- one particle
@@ -107,19 +115,24 @@ function pin(which) {
 }
 
 function tell(which) {
-  if (which < 0) {
-    const hint = pinned ? `${pinned.clump ? "clump" : "particle"} ${pinned.id} is not in this frame` : "Point at a particle, or click it to keep it. Drag turns, "
-      + "shift or the right button moves, the wheel zooms.";
-    $("picked").innerHTML = `<span class="soft" style="white-space: normal">${hint}</span>`;
-    return;
-  }
-  const { bodies, ids, sizes, kinds } = frame.set, kind = numbers.kinds[kinds[which]], [a, b, c, n1, n2] = sizes.subarray(5 * which, 5 * which + 5);
-  const name = bodies[which] ? `clump ${bodies[which]}` : `${kind} ${ids[which]}`;
+  const html = which < 0 ? hint() : description(which);
+  if (html !== told) $("picked").innerHTML = told = html;
+}
+
+function hint() {
+  if (pinned) return `${pinned.clump ? "clump" : "particle"} ${pinned.id} is not in this frame`;
+  return "<i>Point at a particle; a click keeps it. Drag turns, shift and drag moves, the wheel zooms.</i>";
+}
+
+function description(which) {
+  const { bodies, ids, sizes, kinds } = frame.set, kind = numbers.kinds[kinds[which]];
+  const [a, b, c, n1, n2] = sizes.subarray(5 * which, 5 * which + 5);
   const members = bodies[which] ? bodies.reduce((count, body) => count + (body === bodies[which]), 0) : 0;
-  const shape = kind === "superquadric" ? [`semi-axes ${[a, b, c].map(written).join(", ")}`, `blockiness ${written(n1)}, ${written(n2)}`]
-    : members ? [`${members} spheres`] : [`radius ${written(a)}`];
-  const told = [...shape, `erotate ${written(frame.erotate[which])}`, `ke ${written(frame.ke[which])}`];
-  $("picked").innerHTML = `<b>${name}</b> ` + told.map((text) => `<span class="soft">·</span> <span>${text}</span>`).join(" ");
+  const listed = (values) => values.map(written).join(", ");
+  const shape = kind === "superquadric" ? [["semi-axes", listed([a, b, c])], ["blockiness", listed([n1, n2])]]
+    : members ? [["spheres", members]] : [["radius", written(a)]];
+  const pairs = [...shape, ["erotate", written(frame.erotate[which])], ["ke", written(frame.ke[which])]];
+  return `<b>${members ? "clump" : kind} ${bodies[which] || ids[which]}</b> ` + pairs.map(([name, value]) => `<span><i>${name}</i> ${value}</span>`).join(" ");
 }
 
 function particleUnder(event) {
@@ -224,13 +237,14 @@ function listen() {
     show(frame.index);
   });
   window.matchMedia("(prefers-color-scheme: dark)").addEventListener("change", wanted);
-  new ResizeObserver(wanted).observe(canvas);
+  new ResizeObserver(paint).observe(canvas);
 }
 
 function say(text) {
   $("message").textContent = text;
   $("message").hidden = false;
-  for (const name of ["canvas", "triad", "fit"]) $(name).style.visibility = "hidden";
+  for (const name of ["canvas", "triad"]) $(name).style.visibility = "hidden";
+  for (const name of ["scale", "footer"]) $(name).hidden = true;
 }
 
 function start() {
