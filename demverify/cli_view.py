@@ -43,7 +43,7 @@ def view(
     write_page(output, found.scenes, paths[0].name if len(paths) == 1 else f"{paths[0].name} to {paths[-1].name}")
     for note in (*notes, *found.notes):
         print(f"demverify: note: {note}", file=sys.stderr)
-    first, size = found.scenes[0], output.stat().st_size / 1e6
+    first, size = found.scenes[0], output.stat().st_size
     steps = f"frame of step {first.step}" if len(found.scenes) == 1 else f"frames from step {first.step} to {found.scenes[-1].step}"
-    print(f"{output}: {len(found.scenes)} {steps}, {max(len(scene.x) for scene in found.scenes)} particles, {size:.1f} MB")
+    print(f"{output}: {len(found.scenes)} {steps}, {max(len(scene.x) for scene in found.scenes)} particles, {size / 1e6:.2g} MB")
     raise typer.Exit(0 if found.sound else 1)

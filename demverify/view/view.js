@@ -132,7 +132,8 @@ function description(which) {
   const shape = kind === "superquadric" ? [["semi-axes", listed([a, b, c])], ["blockiness", listed([n1, n2])]]
     : members ? [["spheres", members]] : [["radius", written(a)]];
   const pairs = [...shape, ["erotate", written(frame.erotate[which])], ["ke", written(frame.ke[which])]];
-  return `<b>${members ? "clump" : kind} ${bodies[which] || ids[which]}</b> ` + pairs.map(([name, value]) => `<span><i>${name}</i> ${value}</span>`).join(" ");
+  const name = `${members ? "clump" : kind} ${bodies[which] || ids[which]}`;
+  return `<b>${name}</b> ` + pairs.map(([name, value]) => `<span><i>${name}</i> ${value}</span>`).join(" ");
 }
 
 function particleUnder(event) {
