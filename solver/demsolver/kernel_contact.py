@@ -181,7 +181,8 @@ def act(count, equal, coefficients, dt, advance, lanes, past, who):
             distance = sqrt(dx * dx + dy * dy + dz * dz)
             inverse = 1.0 / distance
             nx, ny, nz = dx * inverse, dy * inverse, dz * inverse
-            overlap, reff = reach - distance, ra * ro / reach
+            overlap = reach - distance
+            reff = ra * ro / reach
         if GUARD:
             deep += np.uint64(overlap > DEEPEST * (ra if UNIFORM else min(ra, ro)))
         vx, vy, vz = lanes[VX + u], lanes[VY + u], lanes[VZ + u]
