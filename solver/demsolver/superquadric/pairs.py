@@ -136,8 +136,8 @@ def _grown(body: Body, radius: float, part: float) -> Body:
 
 @compiled
 def afresh(i: Body, j: Body, kind: int) -> tuple[Vector, bool, int]:
-    """The point p without a guess: from two spheres, which become the bodies step by step; where that fails, in four times as many steps, and again. kind:
-    POTENTIAL or GAUGE."""
+    """The point p without a guess: from two spheres, which become the bodies step by step; where that fails, in four times as many steps, and
+    again. kind: POTENTIAL or GAUGE."""
     ri, rj = (i.axes[0] * i.axes[1] * i.axes[2]) ** (1.0 / 3.0), (j.axes[0] * j.axes[1] * j.axes[2]) ** (1.0 / 3.0)
     part = ri / (ri + rj)
     p = start = (
