@@ -19,6 +19,7 @@ from demverify.cli_library import cases, new_case, verify
 from demverify.cli_reproduce import reproduce
 from demverify.cli_stability import stability
 from demverify.cli_timestep import timestep
+from demverify.cli_view import view
 from demverify.errors import InputError, Place
 from demverify.formats.atomic import check_writable
 
@@ -38,6 +39,7 @@ app.command()(erotate)
 app.command()(reproduce)
 app.command()(stability)
 app.command()(timestep)
+app.command()(view)
 app.add_typer(bench, name="bench")
 app.command("cases")(cases)
 app.command("verify")(verify)

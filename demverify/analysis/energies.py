@@ -79,7 +79,12 @@ class Wanted:
 
 
 def energies_of(frame: Frame, wanted: Wanted, present: Sequence[str] = ()) -> FrameEnergies:
-    """All of one frame. present: the names of all columns in the file, for messages.
+    """All of one frame; see `measured`."""
+    return measured(frame, wanted, present)[1]
+
+
+def measured(frame: Frame, wanted: Wanted, present: Sequence[str] = ()) -> tuple[Population, FrameEnergies]:
+    """What was summed over, and all of one frame. present: the names of all columns in the file, for messages.
 
     Numbers that are not finite make the energies of their shape NaN, and a note with step, column and id.
     Raises InputError where the columns do not tell what is needed.
@@ -105,7 +110,7 @@ def energies_of(frame: Frame, wanted: Wanted, present: Sequence[str] = ()) -> Fr
     except (ValueError, LookupError) as error:
         message = f"step {frame.step}: {error.message if isinstance(error, InputError) else error.args[0]}"
         raise InputError(message, error.place if isinstance(error, InputError) else None) from None
-    factor = _MVV2E.get(wanted.meanings.units or frame.units or "", 1.0)
+    factor = energy_factor(frame, wanted.meanings)
     by_particle = {shape: Energies(energies.id, factor * energies.value) for shape, energies in found.items()}
     for shape, energies in by_particle.items():
         bad = ~np.isfinite(energies.value)
@@ -116,7 +121,12 @@ def energies_of(frame: Frame, wanted: Wanted, present: Sequence[str] = ()) -> Fr
     unsound = [name for name, value in (("erotate", row.erotate), ("ke", row.ke)) if not np.isfinite(value or 0.0)]
     if unsound and not any(note.startswith("step ") for note in notes):  # finite numbers, but too large together
         notes.append(f"step {frame.step}: {' and '.join(unsound)} not finite")
-    return FrameEnergies(row, by_particle, notes)
+    return population, FrameEnergies(row, by_particle, notes)
+
+
+def energy_factor(frame: Frame, meanings: Meanings) -> float:
+    """Mass times velocity squared to energy, in the units of the deck or the file."""
+    return _MVV2E.get(meanings.units or frame.units or "", 1.0)
 
 
 def _listed(frame: Frame, present: Sequence[str]) -> RigidBodies:

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, cast
 
 from demverify.analysis.clumps import Inertia
-from demverify.analysis.energies import FrameEnergies, Wanted, energies_of
+from demverify.analysis.energies import FrameEnergies, Wanted, energies_of, measured
 from demverify.analysis.meanings import Meanings
 from demverify.analysis.needed import NeededColumns
 from demverify.analysis.options import meanings_from
@@ -23,6 +23,8 @@ from demverify.frames import Frame
 
 if TYPE_CHECKING:
     from MDAnalysis import Universe
+
+    from demsolver.computes.population import Population
 
 Paths = str | Path | Sequence[str | Path]
 _ROWS = 1 << 18  # in a part: about those of a block
@@ -60,26 +62,36 @@ def split(request: Request, body_columns: tuple[str, ...] | None = None) -> tupl
 def parts_of_block(block: Block, request: Request) -> Iterator[Part]:
     """All frames of a block, some at a time: a packed file is one block, however long. Raises InputError."""
     notes: list[str] = []
-    columns = request.columns or _columns_of_deck(block.path, request.wanted.meanings)
-    reading = NeededColumns(
-        columns,
-        names=request.wanted.meanings.names,
-        half_written=lambda error: notes.append(f"{error}; the frames before it are used"),
-        halfstep=request.wanted.halfstep,
-    )
+    reading = reading_of(block.path, request, notes)
     frames: list[FrameEnergies] = []
     rows = 0
     for frame in read_block(block, reading):
-        try:
-            found = energies_of(frame, request.wanted, reading.seen)
-        except InputError as error:
-            raise InputError(error.message, error.place or Place(block.path)) from None
+        found = measured_in(block.path, frame, request.wanted, reading.seen)[1]
         frames.append(found if request.keep_particles else replace(found, by_particle={}))
         rows += 1 + found.row.n
         if rows >= _ROWS:
             yield Part(str(block.path), frames, [])
             frames, rows = [], 0
     yield Part(str(block.path), frames, notes)
+
+
+def reading_of(path: Path, request: Request, notes: list[str], *, positions: bool = False) -> NeededColumns:
+    """How a file is read, which adds to `notes` where it ends inside a frame. positions: wanted of all particles. Raises InputError."""
+    return NeededColumns(
+        request.columns or _columns_of_deck(path, request.wanted.meanings),
+        names=request.wanted.meanings.names,
+        half_written=lambda error: notes.append(f"{error}; the frames before it are used"),
+        halfstep=request.wanted.halfstep,
+        positions=positions,
+    )
+
+
+def measured_in(path: Path, frame: Frame, wanted: Wanted, present: Sequence[str]) -> tuple[Population, FrameEnergies]:
+    """A frame of a file, measured; an InputError names the file."""
+    try:
+        return measured(frame, wanted, present)
+    except InputError as error:
+        raise InputError(error.message, error.place or Place(path)) from None
 
 
 def _columns_of_deck(path: Path, meanings: Meanings) -> tuple[str, ...] | None:

@@ -22,13 +22,15 @@ _OF_HALF_STEPS = frozenset(name + axis for name in ("tq", "f") for axis in "xyz"
 
 @dataclass(frozen=True)
 class NeededColumns(Reading):
-    """Reading that keeps what the energies are made of. halfstep: torques and forces too. seen: all columns of the last frame."""
+    """Reading that keeps what the energies are made of. halfstep: torques and forces too. positions: of free particles too.
+    seen: all columns of the last frame."""
 
     halfstep: bool = False
+    positions: bool = False
     seen: list[str] = field(default_factory=list, compare=False)
 
     def wanted(self, names: Sequence[str]) -> Collection[str]:
-        """Positions only where particles may belong to bodies."""
+        """Positions only where they are asked for, or particles may belong to bodies."""
         self.seen[:] = names
         kept = _ALWAYS | _OF_BODIES | (_OF_HALF_STEPS if self.halfstep else frozenset())
-        return kept | _OF_CLUMPS if any(name in names for name in BODY) else kept
+        return kept | _OF_CLUMPS if self.positions or any(name in names for name in BODY) else kept

@@ -8,7 +8,20 @@ from math import cos, pi, sin, sqrt
 import numpy as np
 
 from demsolver.expression import Expression, Number
-from demsolver.scene import AddForce, Enforce2D, EulerSphere, Force, Freeze, Gravity, Integrator, NveSphere, NveSuperquadric, SetForce, Viscous
+from demsolver.scene import (
+    AddForce,
+    Enforce2D,
+    EulerSphere,
+    Force,
+    Freeze,
+    Gravity,
+    Integrator,
+    NveClumps,
+    NveSphere,
+    NveSuperquadric,
+    SetForce,
+    Viscous,
+)
 from demverify.deck.materials_common import Words, group_bit
 from demverify.deck.setup import Setup, Spec
 from demverify.errors import InputError
@@ -118,6 +131,34 @@ def _component(setup: Setup, spec: Spec, word: str) -> Expression:
     return found
 
 
+RIGID = {"rigid/small": "richardson", "rigid": "richardson", "rigid/nve/small": "no_squish", "rigid/nve": "no_squish"}
+"""LAMMPS' fixes of rigid bodies, and how they turn."""
+
+
+def rigid_integrator(setup: Setup, spec: Spec) -> NveClumps:
+    """fix rigid[/nve][/small] molecule [mol ID] [reinit yes]; fix multisphere."""
+    words = _words(spec)
+    if spec.style == "multisphere":
+        words.end()
+        return NveClumps(group_bit(setup, spec))
+    words.choice("body style", ("molecule",))
+    while words:
+        if words.choice("keyword", ("mol", "reinit")) == "mol":
+            words.take("a molecule")
+        else:
+            words.choice("reinit", ("yes",))
+    return NveClumps(group_bit(setup, spec), RIGID[spec.style])
+
+
+def property_atom(_: Setup, spec: Spec) -> None:
+    """fix property/atom mol [ghost yes|no]: spheres get a molecule number."""
+    words = _words(spec)
+    words.choice("property", ("mol",))
+    while words:
+        words.choice("keyword", ("ghost",))
+        words.choice("ghost", ("yes", "no"))
+
+
 SCHEMES = ("richardson", "no_squish", "midpoint", "woodem")
 """LIGGGHTS' integration_scheme 0 to 3."""
 
@@ -162,5 +203,7 @@ INTEGRATORS: dict[str, Callable[[Setup, Spec], Integrator]] = {
     "nve/sphere": integrator,
     "euler/sphere": integrator,
     "nve/superquadric": superquadric_integrator,
+    "multisphere": rigid_integrator,
+    **dict.fromkeys(RIGID, rigid_integrator),
 }
-CHECKS: dict[str, Callable[[Setup, Spec], object]] = {**FORCES, "addforce": _added_words, **INTEGRATORS}
+CHECKS: dict[str, Callable[[Setup, Spec], object]] = {**FORCES, "addforce": _added_words, "property/atom": property_atom, **INTEGRATORS}

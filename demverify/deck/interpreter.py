@@ -87,7 +87,7 @@ class Interpreter:
 
     def run_deck(self, path: Path) -> Setup:
         """Executes a whole deck. Raises InputError at the first command that is wrong or not supported."""
-        self.folder = path.parent
+        self.folder = self.setup.folder = path.parent
         self._start(_Cursor(path, read_deck(path)))
         return self.setup
 

@@ -146,9 +146,11 @@ def _combined(setup: Setup, cmd: Command, style: str) -> Region:
 def _options(setup: Setup, cmd: Command, region: Region, scale: Floats) -> Region:
     side = "in"
     while cmd:
-        keyword = cmd.choice("keyword", ("side", "units", "rotate") if setup.dialect == "lammps" else ("side", "units"))
+        keyword = cmd.choice("keyword", ("side", "units", "rotate" if setup.dialect == "lammps" else "volume_limit"))
         if keyword == "side":
             side = cmd.choice("side", ("in", "out"))
+        elif keyword == "volume_limit":
+            cmd.positive("volume_limit")  # what LIGGGHTS would refuse as too small
         elif keyword == "rotate":
             region = _turning(cmd, region, scale)
         else:

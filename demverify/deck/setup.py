@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
@@ -127,6 +128,9 @@ class Setup:
     cleared: bool = False  # whether a `clear` came before: only read_restart can make the box then
     memories: Memories | None = None  # of a restart file, until the next run takes them up
     restored: Place | None = None  # where the deck said read_restart
+    folder: Path = field(default_factory=Path)  # of the deck: where the files are that it names
+    inserted: set[str] = field(default_factory=set)  # fixes insert/pack that have done so
+    molecules: dict[str, Any] = field(default_factory=dict)  # LAMMPS: what `molecule` read
     variables: Any = None  # the deck's demverify.deck.variables.Variables, for v_name in thermo and print lines
 
     @property

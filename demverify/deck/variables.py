@@ -122,6 +122,10 @@ class Variables:
             return self._formula_of(name, variable.text, place)
         return self.number(name, place)
 
+    def is_of_particles(self, name: str, place: Place) -> bool:
+        """Whether the variable has a value for each particle. Raises InputError where there is none of that name."""
+        return self._find(name, place).style == "atom"
+
     def at(self, clock: Mapping[str, float]) -> Variables:
         """The same variables at another time: of the simulation they know these values alone, and say so of others."""
 

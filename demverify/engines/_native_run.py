@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from demsolver import Simulation
     from demverify.deck.setup import DumpSpec, Setup
     from demverify.engines.native import NativeBackend
+    from demverify.formats.bodies import Bodies
     from demverify.formats.columns import Snapshot
     from demverify.formats.dump import DumpWriter
 
@@ -99,11 +100,15 @@ class Run:
                 known[name] = OpenDump(spec, writer)
 
     def _write_dump(self, dump: OpenDump, step: int) -> None:
+        from demverify.formats.bodies import body_frame
         from demverify.formats.columns import snapshot_frame
 
         spec = dump.spec
         if step != dump.last and (step % spec.every == 0 or (spec.first and dump.last < 0)):
-            dump.writer.write(snapshot_frame(self._snapshot(spec.group), spec.columns, spec.place))
+            if spec.style == "local":
+                dump.writer.write(body_frame(step, self._bodies(), spec.columns, self.setup.computes))
+            else:
+                dump.writer.write(snapshot_frame(self._snapshot(spec.group), spec.columns, spec.place))
             dump.last = step
 
     def _write_frame(self, step: int) -> None:
@@ -134,6 +139,14 @@ class Run:
         setup.box = simulation.box()
         setup.time += (simulation.step - setup.step) * setup.dt
         setup.step = simulation.step
+
+    def _bodies(self) -> Bodies:
+        """The clumps of the present step."""
+        from demverify.deck.particles import no_clumps
+        from demverify.formats.bodies import Bodies
+
+        sim, p = self.simulation, self.meter.particles
+        return Bodies(p.clumps or no_clumps(len(p.id)), sim.box(), *sim.clump_forces())
 
     def _snapshot(self, group: str) -> Snapshot:
         from demsolver.state import selected

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, replace
 from time import perf_counter
 
 import numpy as np
+from numpy.typing import NDArray
 
 from demsolver.computes import Population, RigidBodies, erotate, erotate_sphere, ke
 from demsolver.computes.erotate import erotate_by_shape
@@ -92,7 +93,7 @@ class Meter:
     @property
     def kinetic(self) -> float:
         """Kinetic energy; zero for one particle, to which the engines leave no degree of freedom."""
-        return ke(self.particles.mass, self.particles.v) if self.degrees > 0 else 0.0
+        return _kinetic(self.particles) if self.degrees > 0 else 0.0
 
     @property
     def temperature(self) -> float:
@@ -162,9 +163,28 @@ def _of_shape(p: Particles, shape: str) -> float:
     return sum(energies.total for name, energies in erotate_by_shape(population_of(p)) if name == shape)
 
 
+def _counted(p: Particles) -> NDArray[np.bool_]:
+    """Whom the computes of spheres count: LAMMPS all, LIGGGHTS those that are no member of a clump."""
+    return np.ones(len(p.id), dtype=bool) if p.clumps is None or p.clumps.members_weigh else p.clumps.body < 0
+
+
+def _of_bodies(p: Particles) -> float:
+    return ke(p.clumps.mass, p.clumps.v) if p.clumps else 0.0
+
+
+def _kinetic(p: Particles) -> float:
+    """Of translation: in LAMMPS of every sphere, in LIGGGHTS of free ones and of clumps as wholes (measured)."""
+    counted = _counted(p)
+    return ke(p.mass[counted], p.v[counted]) + (0.0 if counted.all() else _of_bodies(p))
+
+
 _ENERGIES: dict[str, Callable[[Particles], float]] = {
-    "ke": lambda p: ke(p.mass, p.v),
-    "erotate/sphere": lambda p: float(erotate_sphere(p.mass, p.radius, p.omega).sum()),
+    "ke": _kinetic,
+    "ke/multisphere": _of_bodies,
+    "ke/rigid": _of_bodies,
+    "erotate/sphere": lambda p: float(erotate_sphere(p.mass, p.radius, p.omega)[_counted(p)].sum()),
+    "erotate/multisphere": lambda p: _of_shape(p, "multisphere"),
+    "erotate/rigid": lambda p: _of_shape(p, "multisphere"),
     "erotate/superquadric": lambda p: _of_shape(p, "superquadric"),
     "erotate": lambda p: erotate(population_of(p)),
 }

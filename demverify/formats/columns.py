@@ -16,7 +16,7 @@ from demverify.frames import Frame
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-INTEGER_COLUMNS = frozenset({"id", "mol", "type", "ix", "iy", "iz"})
+INTEGER_COLUMNS = frozenset({"id", "mol", "id_multisphere", "type", "ix", "iy", "iz"})
 
 
 @dataclass(frozen=True)
@@ -75,6 +75,7 @@ SHAPE_COLUMNS: dict[str, Callable[[Snapshot], NDArray[np.generic]]] = {
 COLUMNS: dict[str, Callable[[Snapshot], NDArray[np.generic]]] = {
     "id": lambda s: s.particles.id,
     "mol": lambda s: s.molecule,
+    "id_multisphere": lambda s: np.where(s.particles.clumps.body >= 0, s.molecule, -1) if s.particles.clumps else np.full(len(s.molecule), -1),
     "type": lambda s: s.particles.type,
     "mass": lambda s: s.particles.mass,
     "radius": lambda s: s.particles.radius,

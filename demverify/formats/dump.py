@@ -176,7 +176,7 @@ class DumpWriter:
         spec = self._spec
         if spec.file.endswith(".bin"):
             return binary_frame(frame, spec.columns, self._dialect, b"DUMPATOM" if spec.style == "atom" else b"DUMPCUSTOM")
-        return text_frame(frame, spec.columns, self._dialect, spec.format, spec.place)
+        return text_frame(frame, spec.columns, self._dialect, spec.format, spec.place, "ENTRIES" if spec.style == "local" else "ATOMS")
 
     def _sorted(self, frame: Frame) -> Frame:
         if self._sort is None:

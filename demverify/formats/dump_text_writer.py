@@ -19,10 +19,12 @@ def text_frame(
     dialect: Dialect,
     formats: Mapping[str, str] | None = None,
     place: Place | None = None,
+    rows: str = "ATOMS",
 ) -> bytes:
     """One frame as the engine of `dialect` writes it, rows in the order of the frame's arrays.
 
     names: the columns, in order, all of them in frame.columns. formats: as dump_modify format (see printf.column_formats).
+    rows: ATOMS, or ENTRIES of a dump local.
     LAMMPS joins by blanks and writes bounds with 17 digits, LIGGGHTS ends each with a blank and gives bounds 6 digits.
     NaN is `nan`: the sign that C's printf may show is lost.
     """
@@ -33,8 +35,8 @@ def text_frame(
     end = " \n" if dialect == "liggghts" else "\n"
     bound = "%g %g\n" if dialect == "liggghts" else "%-1.16e %-1.16e\n"
     head = (
-        f"ITEM: TIMESTEP\n{frame.step}\nITEM: NUMBER OF ATOMS\n{frame.n}\nITEM: BOX BOUNDS {' '.join(frame.boundary)}\n"
+        f"ITEM: TIMESTEP\n{frame.step}\nITEM: NUMBER OF {rows}\n{frame.n}\nITEM: BOX BOUNDS {' '.join(frame.boundary)}\n"
         + "".join(bound % (lo, hi) for lo, hi in frame.box.tolist())
-        + f"ITEM: ATOMS {' '.join(names)}{end}"
+        + f"ITEM: {rows} {' '.join(names)}{end}"
     )
     return head.encode() + format_rows(" ".join(fmts) + end, columns)

@@ -6,6 +6,8 @@ import re
 
 import numpy as np
 
+from demsolver.expression import COLUMNS
+from demsolver.expression import value as evaluated
 from demverify.deck.command import Command, command
 from demverify.deck.commands.group import known_group
 from demverify.deck.commands.space import need_box
@@ -27,6 +29,16 @@ def value(deck: Interpreter, cmd: Command, wanted: str) -> float:
     if cmd.peek().startswith("v_"):
         return deck.variables.exact(cmd.take(wanted)[2:], cmd.place)
     return cmd.number(wanted)
+
+
+def values(deck: Interpreter, cmd: Command, wanted: str, rows: Ints) -> float | Floats:
+    """The same, or of an atom-style variable a number for each of the rows."""
+    atoms, word = deck.setup.atoms or no_atoms(), cmd.peek()
+    if not word.startswith("v_") or not deck.variables.is_of_particles(word[2:], cmd.place):
+        return value(deck, cmd, wanted)
+    formula = deck.variables.expression(cmd.take(wanted)[2:], deck.setup, cmd.place)
+    columns = zip(*atoms.x[rows].T, *atoms.v[rows].T, atoms.mass[rows], atoms.radius[rows], atoms.type[rows], strict=True)
+    return np.array([evaluated(formula, dict(zip(COLUMNS, row, strict=True))) for row in columns])
 
 
 @command("mass")
@@ -139,12 +151,12 @@ def velocity(deck: Interpreter, cmd: Command) -> None:
 
 def _velocity_set(deck: Interpreter, cmd: Command, atoms: Atoms, rows: Ints) -> None:
     scale = region_scale(deck.setup, cmd)
-    wanted: list[float | None] = []
+    wanted: list[float | Floats | None] = []
     for axis, name in enumerate("xyz"):
         variable = cmd.peek().startswith("v_")  # LAMMPS does not scale the value of a variable
         none = cmd.peek() == "NULL" and bool(cmd.take("NULL"))
-        wanted.append(None if none else value(deck, cmd, f"v{name}") * (1.0 if variable else float(scale[axis])))
-    if deck.setup.dimension == 2 and wanted[2]:
+        wanted.append(None if none else values(deck, cmd, f"v{name}", rows) * (1.0 if variable else float(scale[axis])))
+    if deck.setup.dimension == 2 and wanted[2] is not None and np.any(wanted[2]):
         raise cmd.error("vz must be 0 in two dimensions")
     add = _sum_option(cmd)
     for axis, number in enumerate(wanted):

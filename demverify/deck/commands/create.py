@@ -6,6 +6,7 @@ import numpy as np
 
 from demsolver.scene import Box
 from demverify.deck.command import Command, command
+from demverify.deck.commands.molecule import create_molecule
 from demverify.deck.commands.space import before_box, make_box, need_box
 from demverify.deck.data_file import particles_of, read_data_file
 from demverify.deck.delegate import delegated
@@ -20,12 +21,15 @@ _DRAWN = ("ratio", "subset")  # keywords that draw random numbers
 
 @command("create_atoms")
 def create_atoms(deck: Interpreter, cmd: Command) -> None:
-    """create_atoms TYPE box | region ID | single x y z | random N seed ID [basis M type] [remap yes|no] [units box|lattice]"""
+    """create_atoms TYPE box | region ID | single x y z | random N seed ID [basis M type] [remap yes|no] [units box|lattice] [mol ID seed rotate
+    ...]"""
     box = need_box(deck, cmd)
-    particle_type = cmd.integer("type", 1, deck.setup.ntypes)
+    particle_type = cmd.integer("type", 0 if "mol" in cmd.args else 1, deck.setup.ntypes)
     style = cmd.choice("style", ("box", "region", "single", "random"))
     cmd.what = f"create_atoms {style}"
-    if style == "random" or set(_DRAWN) & set(cmd.args):
+    if "mol" in cmd.args:
+        create_molecule(deck, cmd, particle_type, style)
+    elif style == "random" or set(_DRAWN) & set(cmd.args):
         deck.setup.atoms = delegated(deck, cmd)
     elif style == "single":
         _single(deck, cmd, box, particle_type)

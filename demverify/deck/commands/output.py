@@ -9,6 +9,7 @@ from demverify.deck.commands.group import known_group
 from demverify.deck.commands.space import need_box
 from demverify.deck.interpreter import Interpreter
 from demverify.deck.setup import DumpSpec, ThermoSpec
+from demverify.formats import bodies
 from demverify.formats.columns import COLUMNS
 
 _THERMO = ("norm", "lost", "flush", "format", "line", "warn", "colname", "temp", "press")
@@ -63,6 +64,9 @@ def dump(deck: Interpreter, cmd: Command) -> None:
     name, group = cmd.take("an ID"), known_group(deck.setup, cmd)
     if name in deck.setup.dumps:
         raise cmd.error(f"{name!r} exists already")
+    if cmd.peek() == "local" and any(spec.style in bodies.STYLES for spec in deck.setup.computes.values()):
+        _dump_bodies(deck, cmd, name, group)
+        return
     if cmd.peek() in _OTHER_DUMPS:
         deck.ignore(cmd)
         deck.printed.append(f"WARNING: dump {name} of style {cmd.peek()} is left out: custom and atom are written ({cmd.place})")
@@ -76,9 +80,22 @@ def dump(deck: Interpreter, cmd: Command) -> None:
     for column in columns:
         if column not in known:
             raise cmd.error(f"custom column {column!r} is not one of {', '.join(known)}")
+    _check_file(cmd, file)
+    deck.setup.dumps[name] = DumpSpec(name, group, style, every, file, columns, cmd.place)
+
+
+def _dump_bodies(deck: Interpreter, cmd: Command, name: str, group: str) -> None:
+    """dump ID GROUP local N FILE c_ID[k]...: a row a clump."""
+    style = cmd.choice("style", ("local",))
+    every, file = cmd.integer("number of steps", 1), cmd.take("a file")
+    columns = bodies.expanded(cmd.rest(), deck.setup.computes, cmd.place)
+    _check_file(cmd, file)
+    deck.setup.dumps[name] = DumpSpec(name, group, style, every, file, columns, cmd.place)
+
+
+def _check_file(cmd: Command, file: str) -> None:
     if (path := PurePosixPath(file)).is_absolute() or ".." in path.parts or not path.name or "%" in file:
         raise cmd.error(f"file {file!r} is not a relative path inside the run's folder, for all ranks (no %)")
-    deck.setup.dumps[name] = DumpSpec(name, group, style, every, file, columns, cmd.place)
 
 
 @command("undump")

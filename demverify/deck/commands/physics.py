@@ -2,19 +2,27 @@
 
 from __future__ import annotations
 
+from demverify.deck import insertion
 from demverify.deck.command import Command, command
 from demverify.deck.commands.group import known_group
 from demverify.deck.commands.space import need_box
-from demverify.deck.forces import CHECKS
+from demverify.deck.forces import CHECKS, RIGID
 from demverify.deck.interpreter import Interpreter
 from demverify.deck.setup import Spec
 from demverify.deck.timestep_gran import STYLE as CHECK_TIMESTEP
 from demverify.deck.timestep_gran import check_of
+from demverify.formats import bodies
 
 _BOTH = ("gravity", "nve/sphere", "freeze", "wall/gran", "setforce", "enforce2d", "viscous", "addforce", "print")
-_FIXES = {"lammps": (*_BOTH, "euler/sphere", "wall/gran/region"), "liggghts": (*_BOTH, "nve/superquadric", "property/global", CHECK_TIMESTEP)}
+_FIXES = {
+    "lammps": (*_BOTH, *RIGID, "property/atom", "euler/sphere", "wall/gran/region"),
+    "liggghts": (*_BOTH, "nve/superquadric", "multisphere", "property/global", CHECK_TIMESTEP, *insertion.CHECKS),
+}
 _OUTPUT_FIXES = ("ave/time", "ave/atom", "ave/histo", "ave/spatial", "ave/chunk", "ave/euler", "balance")  # they only watch: noted and left out
-_COMPUTES = {"lammps": ("erotate/sphere", "ke", "reduce"), "liggghts": ("erotate/sphere", "erotate/superquadric", "erotate", "ke", "reduce")}
+_COMPUTES = {
+    "lammps": ("erotate/sphere", "ke", "reduce", "erotate/rigid", "ke/rigid", "rigid/local"),
+    "liggghts": ("erotate/sphere", "erotate/superquadric", "erotate/multisphere", "erotate", "ke", "ke/multisphere", "multisphere", "reduce"),
+}
 _BUILT_IN = ("thermo_temp", "thermo_press", "thermo_pe")
 
 
@@ -33,6 +41,8 @@ def fix(deck: Interpreter, cmd: Command) -> None:
         raise cmd.error(f"{name!r} is a fix {old.style} already and cannot become {style}")
     if style in CHECKS:
         CHECKS[style](deck.setup, spec)
+    if style in insertion.CHECKS:
+        insertion.CHECKS[style](deck.setup, spec)
     if style == CHECK_TIMESTEP:
         check_of(deck.setup, spec)
     deck.setup.fixes[name] = spec
@@ -44,6 +54,7 @@ def unfix(deck: Interpreter, cmd: Command) -> None:
     if any(line.words[:2] == ("fix", *cmd.args) for line in deck.ignored):
         deck.ignore(cmd)
     else:
+        deck.setup.inserted.discard(cmd.peek())
         remove(deck.setup.fixes, cmd, "fix")
 
 
@@ -55,7 +66,10 @@ def compute(deck: Interpreter, cmd: Command) -> None:
     style = cmd.choice("style", _COMPUTES[deck.setup.dialect])
     if name in deck.setup.computes:
         raise cmd.error(f"{name!r} exists already")
-    deck.setup.computes[name] = Spec(name, group, style, cmd.rest(), cmd.place)
+    spec = Spec(name, group, style, cmd.rest(), cmd.place)
+    if style in bodies.STYLES:
+        bodies.check_compute(spec)
+    deck.setup.computes[name] = spec
 
 
 @command("uncompute")

@@ -5,6 +5,7 @@ from __future__ import annotations
 from demverify.deck.command import Command, command
 from demverify.deck.commands.group import known_group
 from demverify.deck.commands.space import need_box
+from demverify.deck.insertion import due, insert
 from demverify.deck.interpreter import Interpreter
 from demverify.deck.rotating import turns_of
 from demverify.deck.scene_builder import check_particles
@@ -55,10 +56,23 @@ def run(deck: Interpreter, cmd: Command) -> None:
             cmd.yes("post")
         elif keyword in ("start", "stop"):
             cmd.integer(keyword, 0)  # for ramped fixes, of which there are none here
+    if steps > 0 and due(deck.setup):
+        steps -= _insert(deck)
     if deck.setup.atoms:
         check_particles(deck.setup.atoms, cmd.place)
     deck.setup.turns = turns_of(deck.setup, steps)
     deck.backend.run(deck.setup, steps)
+
+
+def _insert(deck: Interpreter) -> int:
+    """The step in which clumps are inserted: those that are there move, without them. Returns the steps done."""
+    if deck.setup.atoms and deck.setup.atoms.n:
+        deck.backend.run(deck.setup, 1)
+    else:
+        deck.setup.step += 1
+        deck.setup.time += deck.setup.dt
+    insert(deck.setup)
+    return 1
 
 
 @command("neighbor")
@@ -94,10 +108,13 @@ def neigh_modify(deck: Interpreter, cmd: Command) -> None:
 
 
 def _exclude(deck: Interpreter, cmd: Command) -> None:
-    what = cmd.choice("exclude", ("group", "type", "none"))
+    what = cmd.choice("exclude", ("group", "type", "molecule/intra", "none"))
     pairs = deck.setup.neighbor.exclude
     if what == "none":
         pairs.clear()
+    elif what == "molecule/intra":
+        known_group(deck.setup, cmd)
+        deck.ignore(cmd)  # members of a clump do not see each other here, asked or not
     elif what == "group":
         pairs.append((what, known_group(deck.setup, cmd), known_group(deck.setup, cmd)))
     else:
