@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -45,7 +46,7 @@ def steps_from(scene: Scene, frames: Sequence[Frame]) -> Iterator[tuple[Simulati
     simulation = Simulation(scene, on_instability="off")
     simulation.setup()
     yield simulation, frames[0]
-    for before, now in zip(frames, frames[1:], strict=False):
+    for before, now in pairwise(frames):
         place(simulation, before)
         simulation.advance(1)
         yield simulation, now

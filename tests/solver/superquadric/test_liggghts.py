@@ -1,7 +1,7 @@
 """The step loop on decks of superquadrics against LIGGGHTS 3.8.0: step by step from its dumped states, and whole motions.
 
-LIGGGHTS ends the iteration for a contact point at an angle of 1e-5, here it is converged: forces are equal to some 1e-6 of the largest. With planes both
-have the same closed form. Measured here, largest difference over the largest force: step by step 7e-7, planes 3e-13; whole motions 3e-6.
+LIGGGHTS ends the iteration for a contact point at an angle of 1e-5, here it is converged: forces are equal to some 1e-6 of the largest. With planes
+both have the same closed form. Measured here, largest difference over the largest force: step by step 7e-7, planes 3e-13; whole motions 3e-6.
 """
 
 from __future__ import annotations
