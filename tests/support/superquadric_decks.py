@@ -65,3 +65,45 @@ class Worst:
         force, torque = simulation.forces()
         self.force = max(self.force, np.abs(force - vectors(frame, "f"))[self.rows].max() / self.most[0])
         self.torque = max(self.torque, np.abs(torque - vectors(frame, "tq"))[self.rows].max() / self.most[1])
+
+
+WORDS = """atom_style superquadric
+atom_modify map array sort 0 0
+boundary f f f
+newton off
+communicate single vel yes
+units si
+region box block -1 1 -1 1 -1 1 units box
+create_box 1 box
+create_atoms 1 single 0 0 0
+create_atoms 1 single 0.01 0.005 0.06
+set type 1 shape 0.03 0.025 0.035 blockiness 4 3 density 2500
+set atom 1 quat 1 1 0 30 omegax 3
+set atom 2 vz -0.5
+"""
+RULES = """neighbor 0.01 bin
+neigh_modify delay 0
+fix m1 all property/global youngsModulus peratomtype 1e7
+fix m2 all property/global poissonsRatio peratomtype 0.3
+fix m3 all property/global coefficientRestitution peratomtypepair 1 0.6
+fix m4 all property/global coefficientFriction peratomtypepair 1 0.4
+pair_style gran model hertz tangential history surface superquadric
+pair_coeff * *
+timestep 4e-05
+fix w0 all wall/gran model hertz tangential history surface superquadric primitive type 1 zplane -0.033
+fix move all nve/superquadric integration_scheme 1
+compute rot all erotate/superquadric
+thermo_style custom step atoms ke c_rot
+thermo_modify norm no
+thermo 20
+"""
+"""Two superquadrics that touch each other, and one of them a plane; the same source for the compiler as the deck plane_friction."""
+
+
+def deck(*changes: tuple[str, str], end: str = "run 40\n") -> str:
+    """Their deck with words replaced, each of which must be there."""
+    text = WORDS + RULES + end
+    for old, new in changes:
+        assert old in text
+        text = text.replace(old, new)
+    return text
