@@ -56,8 +56,8 @@ def test_a_motion_is_liggghts(name: str) -> None:
 
 
 def test_energies_after_impact() -> None:
-    """Law: eight pairs and eight bodies that hit a plane, e = 0.6, friction 0.4: translational and rotational energy are those LIGGGHTS printed within
-    1 % (measured: within 2e-7), before, in and after the impacts, and so is the last state."""
+    """Law: eight pairs and eight bodies that hit a plane, e = 0.6, friction 0.4: translational and rotational energy are those LIGGGHTS printed
+    within 1 % (measured: within 2e-7), before, in and after the impacts, and so is the last state."""
     printed = np.genfromtxt(DATA / "collide.thermo", names=True)
     simulation = Simulation(scene_of("collide"))
     simulation.setup()
