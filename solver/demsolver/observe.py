@@ -16,7 +16,7 @@ from demsolver.neighbor_grid import bounds_of
 from demsolver.scene import Box, Clumps, Gravity, Particles, Scene, Superquadrics
 from demsolver.sleep import Sleepers
 from demsolver.specialise import Features, compiling
-from demsolver.state import Bodies, Floats, Ints, Pairs, Rigid, inertias, outside, selected
+from demsolver.state import Bodies, Floats, Ints, Pairs, Rigid, inertias, of_each, outside, selected
 
 if TYPE_CHECKING:
     from types import ModuleType
@@ -53,7 +53,7 @@ class Observed:
     @property
     def bodies(self) -> Bodies:
         """The arrays of the particles in the scene's order, as they are now: copies."""
-        shown = Bodies(*(outside(array, self._order) for array in self._bodies))
+        shown = of_each(self._bodies, lambda array: outside(array, self._order))
         shown.force[self.asleep], shown.torque[self.asleep[: len(shown.torque)]] = 0.0, 0.0
         if self._has.ROTATES:
             return shown
@@ -145,11 +145,11 @@ class Observed:
         mass, inertia = b.mass, inertias(self.scene, b.mask, b.mass, b.radius)
         kinetic = rotational = 0.0
         if self._has.SHAPES:
-            shaped = b.axes[:, 0] > 0.0
-            rotational += 0.5 * float(np.sum(b.angmom[shaped] * omega[shaped]))
+            shaped = b.shaped.axes[:, 0] > 0.0
+            rotational += 0.5 * float(np.sum(b.shaped.angmom[shaped] * omega[shaped]))
             inertia = np.where(shaped, 0.0, inertia)
         if self._has.CLUMPS:
-            c, member = self._rigid, b.clump >= 0
+            c, member = self._rigid, b.clumped.clump >= 0
             kinetic += 0.5 * float(np.einsum("i,ic,ic", c.mass, c.v, c.v))
             rotational += 0.5 * float(np.sum(c.angmom * c.omega))
             mass, inertia = np.where(member, 0.0, mass), np.where(member, 0.0, inertia)
@@ -184,7 +184,7 @@ class Observed:
         if not self._has.SHAPES:
             return None
         names = ("axes", "blockiness", "quat", "inertia", "angmom")
-        return Superquadrics(**{name: outside(getattr(self._bodies, name), self._order) for name in names})
+        return Superquadrics(**{name: outside(getattr(self._bodies.shaped, name), self._order) for name in names})
 
     def _clumps(self) -> Clumps | None:
         """The clumps as they are now: copies."""
@@ -194,7 +194,7 @@ class Observed:
         offset = np.zeros((len(self.id), 3))
         offset[self._order[c.member]] = c.offset
         moved = {name: getattr(c, name).copy() for name in ("x", "v", "quat", "angmom", "omega")}
-        return replace(was, body=outside(self._bodies.clump, self._order), offset=offset, **moved)
+        return replace(was, body=outside(self._bodies.clumped.clump, self._order), offset=offset, **moved)
 
     def clump_forces(self) -> tuple[Floats, Floats]:
         """Forces and torques about the centres of mass (m, 3) of the clumps as they are now: copies."""
@@ -225,7 +225,7 @@ class Observed:
         unwrapped = b.x + self._image * (self.box_hi - self.box_lo)
         heights = np.zeros(len(b.x))
         if self._has.CLUMPS:
-            falls &= b.clump < 0
+            falls &= b.clumped.clump < 0
         for field in self.scene.forces:
             if isinstance(field, Gravity):
                 heights -= np.where(selected(b.mask, field.bit) & falls, b.mass * (unwrapped @ np.array(field.acceleration)), 0.0)

@@ -23,7 +23,7 @@ from demsolver.observe import ACCOUNT, LOST_POINTS, TALLIES, Observed
 from demsolver.scene import Plane, Scene
 from demsolver.sleep import Sleep, Sleepers, check_sleep
 from demsolver.specialise import CHUNK, GEOMETRY, compiling, features, specialise
-from demsolver.state import Bodies, Floats, Ints, Pairs, Rigid, bodies_of, flat_of, movers_first, placed, rigid_of
+from demsolver.state import Bodies, Floats, Ints, Pairs, Rigid, arrays_of, bodies_of, flat_of, movers_first, of_each, placed, rigid_of
 from demsolver.threads import use_threads
 from demsolver.trouble import LostParticles, Unstable, check_finite, check_flight, lost_points, refused
 
@@ -224,7 +224,7 @@ class Simulation(Observed):
         use_threads(self._threads)
         done, self._age, why = self._kernel.run_steps(
             start, steps, self._age, self._rhythm(), self._bodies, flat_of(self._bodies), self._movers - len(self._rigid.member) * self._has.CLUMPS,
-            self._movers, self._rigid, self._pairs, self._near, self._shifts(),
+            self._movers, self._rigid if self._has.CLUMPS else (), self._pairs, self._near, self._shifts(),
             self._equal, self._coefficients, self.scene.ntypes, self._flat_walls(), self._fields, self.scene.timestep, self._tallies, self._paces,
             self._guard.numbers if self._guard else UNGUARDED,
         )  # fmt: skip
@@ -253,7 +253,8 @@ class Simulation(Observed):
             keep_frozen = self.virial or self._budget or (columns > 0 and neighbors.frozen_remember(old, b))
             place, b = self._resort(), self._bodies
             if keep_frozen not in self._unseen:
-                self._unseen[keep_frozen] = neighbors.exclusions(self.scene, b.mask, b.kind, None if keep_frozen else b.frozen, b.clump)
+                clump = b.clumped.clump if self._has.CLUMPS else None
+                self._unseen[keep_frozen] = neighbors.exclusions(self.scene, b.mask, b.kind, None if keep_frozen else b.frozen, clump)
             new = neighbors.build(self.scene, b, self.box_lo, self.box_hi, columns, self._unseen[keep_frozen], self._threads)
             neighbors.carry(old, new, wraps, self.scene.history_outlives_contact, self._columns, b, self._shifts(), place, self._threads)
             del old
@@ -280,11 +281,11 @@ class Simulation(Observed):
         """Row k becomes what row rows[k] was."""
         n = len(self.id)
         if len(rows) == n:  # in place: no second copy of everything
-            for array in self._bodies:
+            for array in arrays_of(self._bodies):
                 if len(array) == n:
                     array[:] = array[rows]
         else:
-            self._bodies = Bodies(*(array[rows] if len(array) == n else array for array in self._bodies))  # type: ignore[arg-type]
+            self._bodies = of_each(self._bodies, lambda array: array[rows] if len(array) == n else array)
         self._image, self._order = self._image[rows], self._order[rows]
         self._unseen.clear()
         place = np.zeros(n, dtype=np.int64)
@@ -333,7 +334,7 @@ class Simulation(Observed):
         if gone.any():
             if self._guard:
                 self._guard.lost(self)
-            clumped = self._bodies.clump[gone] >= 0 if self._has.CLUMPS else np.zeros(0, dtype=bool)
+            clumped = self._bodies.clumped.clump[gone] >= 0 if self._has.CLUMPS else np.zeros(0, dtype=bool)
             if self.scene.lost == "error" or clumped.any():  # no clump goes on without a member
                 first = int(self.id[self._order[gone]].min())
                 message = f"{int(gone.sum())} particles left the box by step {self.step}, the first with id {first}"

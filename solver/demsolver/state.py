@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from collections.abc import Callable, Iterator
+from typing import Any, NamedTuple, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +15,24 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 
+class Shaped(NamedTuple):
+    """What is more of superquadrics, n rows as in scene.Superquadrics; size: (n,) radius of a sphere of the same volume, of spheres their own."""
+
+    quat: Floats
+    angmom: Floats
+    inertia: Floats
+    axes: Floats
+    blockiness: Floats
+    size: Floats
+
+
+class Clumped(NamedTuple):
+    """What is more of members of clumps. clump: (n,) its row, -1 of free particles. heft: (n,) mass that contacts see, of the whole clump."""
+
+    clump: Ints
+    heft: Floats
+
+
 class Bodies(NamedTuple):
     """Per-particle arrays, n rows, C order, float64 unless said. Changed in place by the compiled loop.
 
@@ -21,10 +40,7 @@ class Bodies(NamedTuple):
     moving: whether an integrator moves the particle. kick: dt/2m, spin: dt/2I (semi-implicit Euler: dt/m, dt/I), thrice a row; where all
     are alike (1, 3), for all. omega, torque, spin: (0, 3) where nothing turns anything. held: (n, 3) positions at the last list build.
     aside: (n, 3) what step laws move a particle by on top; in implicit scenes the part of the force that the step solves anew: springs and
-    gravity; (0, 3) in other scenes.
-    Of scenes with superquadrics, else of no rows: quat, angmom, inertia, axes, blockiness as in scene.Superquadrics, and size (n,), the radius of a
-    sphere of the same volume. Of scenes with clumps: clump (n,) the row of the clump, -1 if free; heft (n,) the mass that contacts see, of the
-    whole clump.
+    gravity; (0, 3) in other scenes. shaped, clumped: an empty tuple in scenes without superquadrics or clumps, which cost nothing there.
     """
 
     x: Floats
@@ -42,14 +58,8 @@ class Bodies(NamedTuple):
     moving: NDArray[np.bool_]
     held: Floats
     aside: Floats
-    quat: Floats
-    angmom: Floats
-    inertia: Floats
-    axes: Floats
-    blockiness: Floats
-    size: Floats
-    clump: Ints
-    heft: Floats
+    shaped: Shaped
+    clumped: Clumped
 
 
 class Rigid(NamedTuple):
@@ -140,32 +150,46 @@ def bodies_of(scene: Scene, *, aside: bool = False, rotates: bool = True, unifor
         moving=moved(scene),
         held=_copy(p.x),
         aside=np.zeros((n if aside else 0, 3)),
-        **_shaped(p),
-        clump=np.array(p.clumps.body if p.clumps else np.zeros(0), dtype=np.int64),
-        heft=_heft(p),
+        shaped=_shaped(p),
+        clumped=_clumped(p),
     )
 
 
-def _shaped(p: Particles) -> dict[str, Floats]:
-    """What Bodies hold of superquadrics."""
+def _shaped(p: Particles) -> Shaped:
     one = p.superquadrics
     if one is None:
-        return {"size": np.zeros(0), **{name: np.zeros((0, c)) for name, c in _SHAPED.items()}}
+        return cast("Shaped", ())
     size, shaped = np.array(p.radius, dtype=np.float64), one.axes[:, 0] > 0.0
     size[shaped] = superquadric.equivalent_radius(one.axes[shaped], one.blockiness[shaped])
-    return {"size": size, **{name: _copy(getattr(one, name)) for name in _SHAPED}}
+    return Shaped(*(_copy(part) for part in (one.quat, one.angmom, one.inertia, one.axes, one.blockiness, size)))
 
 
-_SHAPED = {"quat": 4, "angmom": 3, "inertia": 3, "axes": 3, "blockiness": 2}
-
-
-def _heft(p: Particles) -> Floats:
+def _clumped(p: Particles) -> Clumped:
     if p.clumps is None:
-        return np.zeros(0)
-    member = p.clumps.body >= 0
-    heft = _copy(p.mass)
+        return cast("Clumped", ())
+    member, heft = p.clumps.body >= 0, _copy(p.mass)
     heft[member] = p.clumps.mass[p.clumps.body[member]]
-    return heft
+    return Clumped(np.array(p.clumps.body, dtype=np.int64), heft)
+
+
+def of_each(b: Bodies, change: Callable[[NDArray[Any]], NDArray[Any]]) -> Bodies:
+    """What `change` makes of each array."""
+    return cast("Bodies", _of_each(b, change))
+
+
+def _of_each(part: Any, change: Callable[[NDArray[Any]], NDArray[Any]]) -> Any:
+    if not isinstance(part, tuple):
+        return change(part)
+    return type(part)(*(_of_each(one, change) for one in part)) if part else part
+
+
+def arrays_of(b: Bodies) -> Iterator[NDArray[Any]]:
+    """All arrays, one after another."""
+    for part in b:
+        if isinstance(part, tuple):
+            yield from part
+        else:
+            yield part
 
 
 def rigid_of(scene: Scene) -> Rigid:
@@ -271,6 +295,6 @@ def outside(array: NDArray[Any], order: Ints) -> NDArray[Any]:
 
 def movers_first(b: Bodies, rows: Ints) -> Ints:
     """`rows` with those of particles that move before the others, free ones before members of clumps."""
-    clumped = b.clump[rows] >= 0 if len(b.clump) else np.zeros(len(rows), dtype=bool)
+    clumped = b.clumped.clump[rows] >= 0 if b.clumped else np.zeros(len(rows), dtype=bool)
     moving = b.moving[rows]
     return np.concatenate([rows[moving & ~clumped], rows[moving & clumped], rows[~moving]])

@@ -2,13 +2,20 @@
 
 from __future__ import annotations
 
+import inspect
 import os
+import re
 import shutil
 import subprocess
 import sys
+from dataclasses import replace
+from importlib import import_module
 from pathlib import Path
 
 import pytest
+
+from demsolver.specialise import _shared, features, shared_source
+from demverify.stability.held import linear, on_floor
 
 ROOT = Path(__file__).parents[2]
 RUN = """
@@ -57,3 +64,17 @@ def test_a_known_scene_compiles_nothing_and_an_edited_law_is_never_stale(tmp_pat
     template = solver / "demsolver" / "kernel_contact.py"
     template.write_text(template.read_text().replace("overlap = reach - distance", "overlap = 3.0 * (reach - distance)"))
     assert run(solver, tmp_path)[1] == pytest.approx(3.0 * force)
+
+
+@pytest.mark.parametrize("template", ["shape", "turn", "clumps"])
+def test_edited_geometry_is_never_stale(template: str) -> None:
+    """Law: the name of a shared loop says what all the modules are that it calls, so that none can change unnoticed."""
+    has = replace(features(on_floor(1e-5, linear((1,), mu=0.0))), SHAPES=True, CLUMPS=True)
+    text = shared_source(template, has)
+    called = set(re.findall(r"^from (demsolver\.\S+) import", text, re.MULTILINE))
+    known = set(_shared(has)[template])
+    assert called
+    assert called <= known
+    for name in known:
+        source = inspect.getsource(import_module(name))
+        assert set(re.findall(r"^from (demsolver\.(?:algebra|superquadric)\S*) import", source, re.MULTILINE)) <= known

@@ -83,7 +83,7 @@ def test_the_order_of_particles_does_not_matter_to_what_is_remembered() -> None:
     """Law: memories belong to ids: with the particles listed backwards the motion is the same to rounding, signs of exchange included."""
     first = begun(scene_with(LAWS["rolling and twisting"], 5))
     p = first.particles()
-    backwards = type(p)(*(getattr(p, name)[::-1].copy() for name in p.__dataclass_fields__))
+    backwards = p.rows(np.arange(len(p.id))[::-1])
     other = Simulation(replace(first.scene, particles=backwards, box=first.box()), on_instability="off")
     found = first.memories()
     other.recall(replace(found, rows=found.rows[::-1].copy()))
@@ -104,7 +104,7 @@ def test_particles_that_are_gone_take_their_memories_along() -> None:
     first = begun(scene_with(LAWS["rotated"], 2))
     p = first.particles()
     keep = np.arange(len(p.id)) % 3 > 0
-    fewer = type(p)(*(getattr(p, name)[keep] for name in p.__dataclass_fields__))
+    fewer = p.rows(keep)
     other = Simulation(replace(first.scene, particles=fewer, box=first.box()), on_instability="off")
     other.recall(first.memories())
     was, now = first.memories(), other.memories()

@@ -141,7 +141,7 @@ def test_the_list_is_of_the_pairs_not_of_their_order(seed: int, sizes: str) -> N
     scene = random_scene(seed, sizes, (True, False, True), 0.1)
     order = np.random.default_rng(seed).permutation(len(scene.particles.id))
     p = scene.particles
-    shuffled = replace(scene, particles=type(p)(*(np.ascontiguousarray(getattr(p, name)[order]) for name in p.__dataclass_fields__)))
+    shuffled = replace(scene, particles=p.rows(order))
     seen, other, shift = felt(build(scene))
     again, other_again, shift_again = felt(build(shuffled))
     pairs = sorted(zip(seen.tolist(), other.tolist(), shift.tolist(), strict=True))

@@ -136,17 +136,23 @@ def _grown(body: Body, radius: float, part: float) -> Body:
 
 @compiled
 def afresh(i: Body, j: Body, kind: int) -> tuple[Vector, bool, int]:
-    """The point p without a guess: from two spheres, which become the bodies step by step. kind: POTENTIAL or GAUGE."""
+    """The point p without a guess: from two spheres, which become the bodies step by step; where that fails, in four times as many steps, and
+    again. kind: POTENTIAL or GAUGE."""
     ri, rj = (i.axes[0] * i.axes[1] * i.axes[2]) ** (1.0 / 3.0), (j.axes[0] * j.axes[1] * j.axes[2]) ** (1.0 / 3.0)
     part = ri / (ri + rj)
-    p = (
+    p = start = (
         part * j.x[0] + (1.0 - part) * i.x[0], part * j.x[1] + (1.0 - part) * i.x[1], part * j.x[2] + (1.0 - part) * i.x[2],
     )  # fmt: skip
     count = max(8, int(max(i.n1, i.n2, j.n1, j.n2)))
-    found, steps = True, 0
-    for k in range(1, count + 1):
-        p, found, more = newton(p, _grown(i, ri, k / count), _grown(j, rj, k / count), kind)
-        steps += more
+    found, steps = False, 0
+    for _ in range(3):
+        p = start
+        for k in range(1, count + 1):
+            p, found, more = newton(p, _grown(i, ri, k / count), _grown(j, rj, k / count), kind)
+            steps += more
+        if found:
+            break
+        count *= 4
     return p, found, steps
 
 
