@@ -5,18 +5,18 @@ from __future__ import annotations
 import numpy as np
 
 from demsolver.scene import Scene
-from demsolver.state import Bodies, Floats, Ints
+from demsolver.state import Floats, Ints, Shaped
 from demsolver.superquadric import Body, body, pairs, planes
 
 
-def body_of(b: Bodies, i: int, x: Floats) -> Body:
+def body_of(b: Shaped, i: int, x: Floats) -> Body:
     """Particle i, a superquadric or a sphere, with its centre at x (3,)."""
     if b.axes[i, 0] > 0.0:
         return body(x, b.quat[i], b.axes[i], b.blockiness[i])
     return body(x, np.array([1.0, 0.0, 0.0, 0.0]), np.full(3, b.size[i]), np.full(2, 2.0))
 
 
-def pair_overlap(scene: Scene, b: Bodies, i: int, j: int, d: Floats) -> float:
+def pair_overlap(scene: Scene, b: Shaped, i: int, j: int, d: Floats) -> float:
     """Overlap of two particles, d (3,) from j to i; -inf where they are apart or have no contact point."""
     if not (b.axes[i, 0] > 0.0 or b.axes[j, 0] > 0.0):
         return float(b.size[i] + b.size[j] - np.linalg.norm(d))
@@ -31,7 +31,7 @@ def pair_overlap(scene: Scene, b: Bodies, i: int, j: int, d: Floats) -> float:
     return overlap if overlap > 0.0 else -np.inf
 
 
-def plane_overlaps(b: Bodies, i: Ints, n: Floats, way: Floats) -> Floats:
+def plane_overlaps(b: Shaped, i: Ints, n: Floats, way: Floats) -> Floats:
     """(m,) overlaps of particles i with planes, `way` (m,) from their centres against n (m, 3)."""
     found = b.size[i] - way
     for k, row in enumerate(i):
