@@ -133,6 +133,11 @@ def run(
     if strict and name != "native":
         message = f"--strict looks at runs of the native engine, not of {name}; demverify timestep --strict looks at the deck"
         raise InputError(message)
+    if strict:
+        from demverify.runs import plan
+        from demverify.timestep import check_limits
+
+        check_limits(plan(deck, variables).runs[0].scene, deck)
     if precision not in PRECISIONS:
         message = f"--precision {precision} is not one of {', '.join(PRECISIONS)}"
         raise InputError(message)

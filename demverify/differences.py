@@ -147,7 +147,7 @@ def difference(a: Frame, b: Frame, quantity: str, scale: float, engines: tuple[s
 def bulk(frame: Frame) -> dict[str, Figure]:
     """The figures that a chaotic run still has in common with its neighbours; those whose columns are there.
 
-    number; ke = sum m v^2/2; erotate = sum (2/5 m R^2) w^2/2 (spheres); mean_speed = mean |v|; com_x, com_y, com_z: centre
+    number; ke = sum m v^2/2; erotate = sum (2/5 m R^2) w^2/2 (spheres), sum L.w/2 (superquadrics); mean_speed = mean |v|; com_x, com_y, com_z: centre
     of mass along each axis that is not periodic, measured against the extent of the packing.
     """
     figures = {"number": Figure(frame.n, frame.n, 0.0)}
@@ -160,10 +160,19 @@ def bulk(frame: Frame) -> dict[str, Figure]:
         return figures
     energies = {"ke": 0.5 * mass * speed**2}
     if radius is not None and spin is not None:
-        energies["erotate"] = 0.2 * mass * (radius * spin) ** 2
+        energies["erotate"] = _turning(frame, mass, radius * spin)
     total = float(sum(parts.sum() for parts in energies.values()))
     figures |= {name: _positive(parts[order], REST, total) for name, parts in energies.items()}
     return figures | _centres(frame, mass, radius, order)
+
+
+def _turning(frame: Frame, mass: Floats, surface: Floats) -> Floats:
+    """(n,) energy of the spin; surface: radius times spin."""
+    spheres = np.asarray(0.2 * mass * surface**2)
+    if not {"shapex", "angmomx", "angmomy", "angmomz"} <= set(frame.columns):
+        return spheres
+    own = 0.5 * (frame.vectors("angmomx", "angmomy", "angmomz") * frame.vectors("omegax", "omegay", "omegaz")).sum(axis=1)
+    return np.where(frame.columns["shapex"] > 0.0, own, spheres)
 
 
 def bulk_difference(name: str, a: Figure, b: Figure, floor: float, engines: tuple[str, str]) -> Difference:

@@ -62,11 +62,14 @@ def center(frame: Frame) -> tuple[Floats, Floats]:
 
 def angular_momentum(frame: Frame, inertia: float) -> tuple[Floats, Floats, Floats]:
     """Parts of the angular momentum about the origin, (3,) each: of the centre of mass M R x V; orbital about the centre, sum of m r' x v';
-    spin, sum of I w with I = inertia m r^2."""
+    spin, sum of I w with I = inertia m r^2, of superquadrics their own."""
     mass, radius = frame.columns["mass"], frame.columns["radius"]
     where, speed = center(frame)
     orbital = mass @ np.cross(positions(frame) - where, velocities(frame) - speed)
-    spin = (inertia * mass * radius**2) @ spins(frame)
+    each = (inertia * mass * radius**2)[:, None] * spins(frame)
+    if "shapex" in frame.columns:
+        each = np.where(frame.columns["shapex"][:, None] > 0.0, frame.vectors("angmomx", "angmomy", "angmomz"), each)
+    spin = each.sum(axis=0)
     return np.asarray(mass.sum() * np.cross(where, speed)), np.asarray(orbital), np.asarray(spin)
 
 
@@ -74,6 +77,9 @@ def kinetic_energy(frame: Frame, inertia: float) -> float:
     """Of translation and rotation."""
     mass, radius = frame.columns["mass"], frame.columns["radius"]
     turning = inertia * mass * radius**2 * (spins(frame) ** 2).sum(axis=1)
+    if "shapex" in frame.columns:
+        own = (frame.vectors("angmomx", "angmomy", "angmomz") * spins(frame)).sum(axis=1)
+        turning = np.where(frame.columns["shapex"] > 0.0, own, turning)
     return float(0.5 * (mass * (velocities(frame) ** 2).sum(axis=1) + turning).sum())
 
 

@@ -78,12 +78,23 @@ def step_report(deck: Path, variables: Mapping[str, Sequence[str]]) -> StepRepor
 
     run = plan(deck, variables).runs[0]
     scene = run.scene
+    check_limits(scene, deck)
     touching = contacts_of(scene)
     limits, packing = contact_limits(scene, touching), packing_limit(scene, touching)
     material = _material(run.setup)
     times = None if isinstance(material, str) else _times(run.setup, scene, material)
     rows = (*_contact_rows(limits), *_packing_rows(packing), *_liggghts_rows(times, material if isinstance(material, str) else "", scene))
     return StepReport(deck, scene.timestep, len(scene.particles.id), rows, limits, packing, tuple(_said(run.setup, scene)))
+
+
+def check_limits(scene: Scene, deck: Path) -> None:
+    """Raises InputError for a scene whose limits are not known: of other bodies than spheres."""
+    from demsolver.stability_contacts import check_spheres
+
+    try:
+        check_spheres(scene)
+    except ValueError as error:
+        raise InputError(str(error), Place(deck)) from None
 
 
 def refuse(report: StepReport) -> None:

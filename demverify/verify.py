@@ -350,12 +350,12 @@ def _envelope_curves(dialect: Dialect, envelope: Envelope, runs: Mapping[str, Ru
 
 
 def _energies(run: Run, known: Plan) -> EnergySeries:
-    from demsolver.computes import erotate_sphere, ke
+    from demsolver.computes import erotate, ke
+    from demverify.analysis.meanings import Meanings
+    from demverify.analysis.quantities import population_of
 
     def of(frame: Frame) -> tuple[float, float]:
-        mass, radius = frame.columns["mass"], frame.columns["radius"]
-        omega = frame.vectors("omegax", "omegay", "omegaz")
-        return ke(mass, frame.vectors("vx", "vy", "vz")), float(erotate_sphere(mass, radius, omega).sum())
+        return ke(frame.columns["mass"], frame.vectors("vx", "vy", "vz")), erotate(population_of(frame, Meanings(dialect=run.dialect)))
 
     steps = np.array([frame.step for frame in run.frames], dtype=float)
     energies = np.array([of(frame) for frame in run.frames])

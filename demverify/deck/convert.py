@@ -78,6 +78,9 @@ def conversion(plan: Plan, target: Dialect, data_name: str) -> Conversion:
     if not plan.runs or not plan.whole:
         message = "cannot be converted: it " + ("has no run" if not plan.runs else "goes on with values that only its own runs give")
         raise InputError(message, Place(plan.deck))
+    if plan.setup.atom_style == "superquadric":
+        message = "cannot be converted: LAMMPS has no superquadrics like those of LIGGGHTS"
+        raise InputError(message, Place(plan.deck))
     return _Translator(plan, target, data_name).translate()
 
 

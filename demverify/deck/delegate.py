@@ -10,13 +10,15 @@ import json
 import subprocess
 import sys
 import tempfile
+from dataclasses import fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from demsolver.scene import Superquadrics
 from demverify.deck.command import Command, Executed
-from demverify.deck.particles import no_atoms
+from demverify.deck.particles import no_atoms, no_shapes, reshape
 from demverify.deck.setup import Atoms, Ints, Setup
 from demverify.errors import InputError
 
@@ -30,6 +32,10 @@ _REGION_UNITS = ("block", "cylinder", "sphere")  # in LIGGGHTS their default uni
 
 def delegated(deck: Interpreter, cmd: Command) -> Atoms:
     """The particles after `cmd`, as LAMMPS makes them. Raises InputError with LAMMPS' own message when it refuses."""
+    if deck.setup.atoms is not None and deck.setup.atoms.clumps is not None:
+        raise cmd.error("is drawn by LAMMPS from spheres on their own: not once there are clumps")
+    if deck.setup.atom_style == "superquadric" and "rotate" in cmd.args:
+        raise cmd.error("does not turn superquadrics: place them with set ... x, y, z and quat")
     commands = [_as_lammps(line, deck.setup.dialect) for line in deck.executed if line.words[0] in _REPLAYED]
     commands.append(_as_lammps(deck.executed[-1], deck.setup.dialect))
     try:
@@ -116,4 +122,20 @@ def _atoms(setup: Setup, arrays: dict[str, Any]) -> Atoms:
     molecule_of = dict(zip(old.id.tolist(), old.molecule.tolist(), strict=True))
     arrays["mask"] = _translated(arrays["mask"], [(new, bit) for bit, new in _bits(setup)])
     arrays["molecule"] = np.array([molecule_of.get(identity, 0) for identity in arrays["id"].tolist()], dtype=np.int64)
-    return Atoms(**arrays)
+    atoms = Atoms(**arrays)
+    if setup.atom_style == "superquadric":
+        _shape(atoms, old)
+    return atoms
+
+
+def _shape(atoms: Atoms, old: Atoms) -> None:
+    """Known particles keep their shapes, new ones are balls of diameter 1 and density 1, in place."""
+    atoms.superquadrics = no_shapes(atoms.n)
+    new = np.flatnonzero(~np.isin(atoms.id, old.id))
+    reshape(atoms, new, 1.0)
+    if old.superquadrics is not None and old.n:
+        here = np.flatnonzero(np.isin(atoms.id, old.id))
+        order = np.argsort(old.id)
+        rows = order[np.searchsorted(old.id, atoms.id[here], sorter=order)]
+        for f in fields(Superquadrics):
+            getattr(atoms.superquadrics, f.name)[here] = getattr(old.superquadrics, f.name)[rows]

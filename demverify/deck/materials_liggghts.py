@@ -148,6 +148,10 @@ def _check_surface(setup: Setup, words: Words, model: Model) -> None:
         raise words.error(f"surface {model.surface} does not go with atom_style {setup.atom_style}: superquadric needs superquadric")
     if model.curvature != "volume" and model.curvature_limit == inf:
         raise words.error("meanCurvature and gaussianCurvature need curvatureLimitFactor")
+    if model.curvature != "volume" and model.contact_point == "gauge":
+        raise words.error("meanCurvature and gaussianCurvature go with contactPoint potential only: the force of gauge would have no energy")
+    if model.cohesion != "off" and model.surface == "superquadric":
+        raise words.error(f"cohesion {model.cohesion} is known for spheres only, not with surface superquadric")
 
 
 def contact_point(setup: Setup) -> Literal["potential", "gauge"]:
@@ -278,6 +282,8 @@ def _wall(setup: Setup, fix: Spec) -> Wall:
         raise words.error(f"needs primitive type N {' | '.join((*PLANES, *CYLINDERS))} behind the model, got {words.peek()!r}")
     wall_type = words.integer("wall type", 1, setup.ntypes)
     shape = _shape(words)
+    if isinstance(shape, Cylinder) and setup.atom_style == "superquadric":
+        raise words.error("a cylinder is no wall for superquadrics yet: use planes")
     velocity = (0.0, 0.0, 0.0)
     if isinstance(shape, Cylinder):
         shape, velocity = _moving_cylinder(words, shape)

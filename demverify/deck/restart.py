@@ -3,7 +3,8 @@
 One .npz archive (of any name): `header`, a JSON text with a magic word, the version of the format, the dialect and the settings that the engines
 restore, and float64 or int64 arrays: box, particles, and memories of pairs and walls as demsolver.memories has them. What LAMMPS and LIGGGHTS
 restore (measured): units, dimension, boundary, box, types, particles, groups, step, the pair style with its coefficients, histories of pairs and,
-where a fix of the same ID and style is stated again, of walls; LAMMPS also the time step. Everything else is to be stated again.
+where a fix of the same ID and style is stated again, of walls; LAMMPS also the time step. Everything else is to be stated again. Shapes of
+superquadrics come back with the particles, and the atom style with them; clumps are not kept.
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ import struct
 import zipfile
 import zlib
 from collections.abc import Iterable
+from copy import deepcopy
 from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any
@@ -20,7 +22,8 @@ from typing import Any
 import numpy as np
 
 from demsolver.memories import Memories, WallMemory
-from demsolver.scene import Box
+from demsolver.scene import Box, Superquadrics
+from demverify.deck.particles import ARRAYS
 from demverify.deck.setup import Atoms, Dialect, Setup
 from demverify.errors import InputError, Place
 from demverify.formats.atomic import atomic_write
@@ -34,6 +37,7 @@ _BROKEN = (
 )  # fmt: skip
 """What reading a foreign or damaged archive can end in; NotImplementedError is a RuntimeError."""
 _PAIR = ("i", "j", "shift", "touching", "memory")
+_SHAPES = tuple(f.name for f in fields(Superquadrics))
 
 
 @dataclass(frozen=True)
@@ -51,14 +55,17 @@ def restart_of(setup: Setup, memories: Memories | None) -> Restart:
     """The state of a deck with what its contacts remember: copies. Raises InputError where there is no box yet."""
     if setup.box is None or setup.atoms is None:
         raise InputError("write_restart needs a simulation box: create_box or read_data must come first")
+    if setup.atoms.clumps is not None:
+        raise InputError("write_restart keeps spheres and superquadrics, not clumps")
     settings = {name: getattr(setup, name) for name in _SETTINGS}
+    settings["atom_style"] = setup.atom_style
     settings |= {"groups": dict(setup.groups), "step": int(setup.step), "time": float(setup.time)}
     settings["pair_coeffs"] = [words for words, _ in setup.pair_coeffs]
     if setup.dialect == "lammps":
         settings["timestep"] = setup.dt
-    box, atoms = setup.box, setup.atoms
+    box = setup.box
     kept = Box(box.lo.copy(), box.hi.copy(), box.boundary, None if box.margin is None else np.array(box.margin, dtype=float))
-    return Restart(setup.dialect, settings, kept, Atoms(**{f.name: getattr(atoms, f.name).copy() for f in fields(Atoms)}), memories)
+    return Restart(setup.dialect, settings, kept, deepcopy(setup.atoms), memories)
 
 
 def restore(setup: Setup, found: Restart, place: Place) -> None:
@@ -69,13 +76,14 @@ def restore(setup: Setup, found: Restart, place: Place) -> None:
     setup.units, setup.dimension, setup.ntypes = s["units"], s["dimension"], s["ntypes"]
     x, y, z = s["boundary"]
     setup.boundary, setup.groups = (x, y, z), dict(s["groups"])
+    setup.atom_style = s.get("atom_style", setup.atom_style)
     setup.pair_style = tuple(s["pair_style"]) if s["pair_style"] else None
     setup.pair_coeffs = [(tuple(words), place) for words in s["pair_coeffs"]]
     setup.pair_place = place if s["pair_style"] else None
     setup.timestep = s.get("timestep")  # None in LIGGGHTS: the default of the units until a timestep command
     setup.step, setup.time = s["step"], s["time"]
     setup.box, setup.memories, setup.restored = found.box, found.memories, place
-    setup.atoms = Atoms(**{f.name: getattr(found.atoms, f.name).copy() for f in fields(Atoms)})
+    setup.atoms = deepcopy(found.atoms)
 
 
 def write_restart_file(path: Path, state: Restart) -> None:
@@ -84,7 +92,9 @@ def write_restart_file(path: Path, state: Restart) -> None:
     arrays: dict[str, Any] = {"box_lo": state.box.lo, "box_hi": state.box.hi}
     if state.box.margin is not None:
         arrays["box_margin"] = state.box.margin
-    arrays |= {f"atoms_{f.name}": getattr(state.atoms, f.name) for f in fields(Atoms)}
+    arrays |= {f"atoms_{name}": getattr(state.atoms, name) for name in ARRAYS}
+    if shapes := state.atoms.superquadrics:
+        arrays |= {f"shapes_{name}": getattr(shapes, name) for name in _SHAPES}
     if m := state.memories:
         header |= {"pair_laws": m.laws, "walls": {name: wall.laws for name, wall in m.walls.items()}}
         arrays |= {"memory_id": m.id, "memory_rows": m.rows, "memory_tally": m.tally}
@@ -157,4 +167,6 @@ def _restart(header: dict[str, Any], arrays: dict[str, Any]) -> Restart:
         memories = Memories(arrays["memory_id"], arrays["memory_rows"], laws, **pairs, walls=walls, tally=arrays["memory_tally"])
     x, y, z = header["faces"]
     box = Box(arrays["box_lo"], arrays["box_hi"], (x, y, z), arrays.get("box_margin"))
-    return Restart(header["dialect"], settings, box, Atoms(**{f.name: arrays[f"atoms_{f.name}"] for f in fields(Atoms)}), memories)
+    shapes = Superquadrics(*(arrays[f"shapes_{name}"] for name in _SHAPES)) if f"shapes_{_SHAPES[0]}" in arrays else None
+    atoms = Atoms(**{name: arrays[f"atoms_{name}"] for name in ARRAYS}, superquadrics=shapes)
+    return Restart(header["dialect"], settings, box, atoms, memories)

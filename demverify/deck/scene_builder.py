@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from demsolver.bind_law import longest_reach
+from demsolver.check_bodies import check_bodies
 from demsolver.scene import Clumps, EulerSphere, Integrator, Neighbor, NveSphere, Particles, Scene
 from demsolver.state import selected
 from demverify.deck.clumps import gathered
@@ -47,6 +48,10 @@ def scene_of(setup: Setup) -> Scene:
         history_outlives_contact=setup.dialect == "liggghts" and setup.neighbor.contact_distance_factor == 1.0 and setup.atom_style != "superquadric",
         contact_point=law.contact_point(setup) if setup.dialect == "liggghts" else "potential",
     )
+    try:
+        check_bodies(scene)
+    except ValueError as error:
+        raise InputError(str(error)) from None
     _check_reach(scene)
     return scene
 

@@ -73,7 +73,7 @@ def launch(program: Program, job: Job, progress: Progress | None) -> Outcome:
         folder=job.folder,
         log=screen,
         trajectory=trajectory,
-        columns=instrument.COLUMNS if trajectory else (),
+        columns=prepared.columns if trajectory else (),
         thermo_log=screen,
     )
 

@@ -112,6 +112,7 @@ class Run:
             dump.last = step
 
     def _write_frame(self, step: int) -> None:
+        from demverify.engines.instrument import SHAPES
         from demverify.formats.columns import snapshot_frame
 
         backend, every = self.backend, self.backend._every
@@ -119,7 +120,8 @@ class Run:
         if every is None or step == backend._last_frame or not (step % every == 0 or last):
             return
         backend._last_frame = step
-        frame = snapshot_frame(self._snapshot("all"), TRAJECTORY)
+        snapshot = self._snapshot("all")
+        frame = snapshot_frame(snapshot, TRAJECTORY if snapshot.particles.superquadrics is None else [*TRAJECTORY, *SHAPES])
         backend._trajectory.write(frame, self.setup.time)
         if backend._keep:
             backend.outputs.frames.append(frame)

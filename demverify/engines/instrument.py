@@ -30,6 +30,12 @@ COLUMNS = (
     *("id", "type", "x", "y", "z", "ix", "iy", "iz", "vx", "vy", "vz", "fx", "fy", "fz"),
     *("omegax", "omegay", "omegaz", "tqx", "tqy", "tqz", "radius", "mass"),
 )
+SHAPES = (
+    *("shapex", "shapey", "shapez", "blockiness1", "blockiness2", "quat1", "quat2", "quat3", "quat4"),
+    *("angmomx", "angmomy", "angmomz", "inertiax", "inertiay", "inertiaz"),
+)
+"""Of superquadrics, behind the others."""
+SUPERQUADRICS = re.compile(r"^\s*atom_style\s+superquadric\b", re.MULTILINE)
 DUMP_ID = "demverify_all"
 SEGMENT = "demverify_trajectory.{}.bin"
 
@@ -50,12 +56,13 @@ class Prepared:
     """The copy of a deck.
 
     total: steps of all its runs, None when a loop or a variable hides it. places: squeezed line of the copy -> where the user
-    wrote it, every occurrence.
+    wrote it, every occurrence. columns: of the dump of all particles.
     """
 
     deck: Path
     total: int | None
     places: dict[str, list[Place]]
+    columns: tuple[str, ...]
 
 
 def prepare(deck: Path, folder: Path, engine: str, variables: dict[str, list[str]], every: int | None) -> Prepared:
@@ -71,13 +78,14 @@ def prepare(deck: Path, folder: Path, engine: str, variables: dict[str, list[str
     if every is not None and every < 1:
         raise InputError(f"frames every {every} steps; expected a whole number of 1 or more", Place(deck))
     folder.mkdir(parents=True, exist_ok=True)
-    copy = _Copy(deck, folder, f"in.{engine}", every, {name: list(values) for name, values in variables.items()})
+    columns = COLUMNS + SHAPES if SUPERQUADRICS.search(text) else COLUMNS
+    copy = _Copy(deck, folder, f"in.{engine}", every, columns, {name: list(values) for name, values in variables.items()})
     body = copy.rewritten(text, deck)
     if not copy.places:
         raise InputError("no command in this deck", Place(deck))
     target = folder / copy.name
     target.write_text((_START if every else "") + body, encoding="utf-8", errors="surrogateescape")
-    return Prepared(target, copy.total, copy.places)
+    return Prepared(target, copy.total, copy.places, columns)
 
 
 def join_segments(folder: Path) -> Path | None:
@@ -118,6 +126,7 @@ class _Copy:
     folder: Path
     name: str
     every: int | None
+    columns: tuple[str, ...]
     known: dict[str, list[str]]  # values that an index or string variable can take
     total: int | None = 0
     writes: bool = False  # whether a command so far may have made a file that a later one reads
@@ -153,7 +162,7 @@ class _Copy:
         if self.every is None:
             return ""
         if commands & _RUNS:
-            dump = f"dump {DUMP_ID} all custom {self.every} {SEGMENT.format('${demverify_pass}')} {' '.join(COLUMNS)}"
+            dump = f"dump {DUMP_ID} all custom {self.every} {SEGMENT.format('${demverify_pass}')} {' '.join(self.columns)}"
             return f'if "${{demverify_on}} == 0" then "{dump}" "dump_modify {DUMP_ID} sort id" "variable demverify_on equal 1"\n'
         return _STOP if commands & _BREAKS else ""
 

@@ -10,11 +10,14 @@ import tempfile
 from functools import cache
 from pathlib import Path
 
+from demverify.deck.lexer import read_text
 from demverify.engines import lammps
 from demverify.engines._launch import Program, clean_environment, launch
 from demverify.engines.base import Engine, Found, Job, Missing, Outcome, Progress, skipped
+from demverify.engines.instrument import SUPERQUADRICS
 
 INSTALL = "apt-get install liggghts"
+WITHOUT_SUPERQUADRICS = Missing("this LIGGGHTS is built without superquadrics", 'make, with USE_SUPERQUADRICS = "ON" in its MAKE/Makefile.user')
 _VERSION = re.compile(r"Version LIGGGHTS-\w+ ([^,\s]+)")
 
 
@@ -40,6 +43,8 @@ class Liggghts:
     def run(self, job: Job, progress: Progress | None = None) -> Outcome:
         """Run alone, or under Open MPI's own mpirun where more than one rank is asked."""
         found = self.find()
+        if not isinstance(found, Missing) and SUPERQUADRICS.search(read_text(job.deck)) and not _has_superquadrics(found.path):
+            found = WITHOUT_SUPERQUADRICS
         if isinstance(found, Missing):
             return skipped(self.name, found, job)
         mpirun = shutil.which("mpirun.openmpi")
@@ -50,6 +55,12 @@ class Liggghts:
         unbuffered = (stdbuf, "-oL") if stdbuf else ()
         program = Program(self.name, found, (*start, *unbuffered, str(found.path)), _environment(job.folder.resolve()))
         return launch(program, job, progress)
+
+
+def _has_superquadrics(program: Path) -> bool:
+    """Whether the program knows the atom style."""
+    styles = re.search(r"^\* Atom styles:(.*?)^\*", _help(str(program), program.stat().st_mtime_ns), re.MULTILINE | re.DOTALL)
+    return styles is not None and "superquadric" in styles[1].split()
 
 
 def _environment(scratch: Path) -> dict[str, str]:

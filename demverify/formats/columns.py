@@ -58,11 +58,8 @@ def _volume(s: Snapshot) -> Floats:
 
 
 def _shapes(s: Snapshot) -> Superquadrics:
-    found = s.particles.superquadrics
-    if found is None:
-        message = "dump columns of shapes need superquadrics: there are none"
-        raise InputError(message)
-    return found
+    assert s.particles.superquadrics is not None
+    return s.particles.superquadrics
 
 
 SHAPE_COLUMNS: dict[str, Callable[[Snapshot], NDArray[np.generic]]] = {
@@ -75,7 +72,6 @@ SHAPE_COLUMNS: dict[str, Callable[[Snapshot], NDArray[np.generic]]] = {
 COLUMNS: dict[str, Callable[[Snapshot], NDArray[np.generic]]] = {
     "id": lambda s: s.particles.id,
     "mol": lambda s: s.molecule,
-    "id_multisphere": lambda s: np.where(s.particles.clumps.body >= 0, s.molecule, -1) if s.particles.clumps else np.full(len(s.molecule), -1),
     "type": lambda s: s.particles.type,
     "mass": lambda s: s.particles.mass,
     "radius": lambda s: s.particles.radius,
@@ -89,18 +85,29 @@ COLUMNS: dict[str, Callable[[Snapshot], NDArray[np.generic]]] = {
     **_vector("f", lambda s: s.force),
     **_vector("omega", lambda s: s.particles.omega),
     **_vector("tq", lambda s: s.torque),
-    **SHAPE_COLUMNS,
 }
-"""Column name -> (n,) array. Of shapes, for superquadrics alone: spheres carry omega, and both engines refuse angmom for them too."""
+"""Column name -> (n,) array, of particles of any shape."""
+
+
+CLUMP_COLUMNS: dict[str, Callable[[Snapshot], NDArray[np.generic]]] = {
+    "id_multisphere": lambda s: np.where(s.particles.clumps.body >= 0, s.molecule, -1) if s.particles.clumps else np.full(len(s.molecule), -1),
+}
+
+
+def columns_of(*, superquadrics: bool, clumps: bool) -> dict[str, Callable[[Snapshot], NDArray[np.generic]]]:
+    """Those that there are. Of shapes and of clumps where these are alone: spheres carry omega, and both engines refuse angmom for them too."""
+    return COLUMNS | (SHAPE_COLUMNS if superquadrics else {}) | (CLUMP_COLUMNS if clumps else {})
 
 
 def snapshot_frame(snapshot: Snapshot, names: Sequence[str], place: Place | None = None) -> Frame:
-    """The named columns of a snapshot, float64, rows sorted by id. Raises InputError for a name that is not in COLUMNS."""
+    """The named columns of a snapshot, float64, rows sorted by id. Raises InputError for a name that is none."""
+    p = snapshot.particles
+    known = columns_of(superquadrics=p.superquadrics is not None, clumps=p.clumps is not None)
     for name in names:
-        if name not in COLUMNS:
-            message = f"dump column {name!r} is not one of {' '.join(COLUMNS)}"
+        if name not in known:
+            message = f"dump column {name!r} is not one of {' '.join(known)}"
             raise InputError(message, place)
     order = np.argsort(snapshot.particles.id, kind="stable")
-    columns = {name: COLUMNS[name](snapshot)[order].astype(np.float64) for name in names}
+    columns = {name: known[name](snapshot)[order].astype(np.float64) for name in names}
     box = np.column_stack([snapshot.box.lo, snapshot.box.hi]).astype(np.float64)
     return Frame(snapshot.step, box, snapshot.box.boundary, columns)

@@ -3,7 +3,8 @@
     /particles/all/box           attributes dimension, boundary (periodic | none), boundary_flags (LAMMPS letters: "pp" "fs" ...)
     /particles/all/box/edges     (frame, 3) lengths; also lower and upper, which H5MD lacks (and faces s and m move)
     /particles/all/position      x y z, (frame, row, 3); so velocity v, force f and, beyond H5MD, omega, torque tq, image i
-    /particles/all/species       the type, (frame, row); any other column goes under its own name: id, radius, mass, ...
+    /particles/all/species       the type, (frame, row); any other column goes under its own name: id, radius, mass, ...; of
+                                 superquadrics shapex shapey shapez (semi-axes) blockiness1 2 quat1..4 (w x y z), angmom, inertia
     /observables/all/count       (frame,) number of particles
 
 Each of these is a group of value, step and time; step and time are one dataset, linked. Numbers are float64 or int64. Where
@@ -34,6 +35,8 @@ from demverify.frames import Frame
 
 if TYPE_CHECKING:
     import h5py
+
+    from demverify.deck.setup import Dialect
 
 Floats = NDArray[np.float64]
 
@@ -240,11 +243,12 @@ def _read_frames(file: h5py.File, reading: Reading, place: Place) -> Iterator[Fr
     wanted = [owners[at] for at in picked.at]
     datasets = {element: file[f"{element.path}/value"] for element, _ in wanted}
     flags = cast("tuple[str, str, str]", tuple(str(flag) for flag in group["box"].attrs["boundary_flags"]))
+    dialect: Dialect | None = "liggghts" if "shapex" in group else None  # shapes are semi-axes there
     for i, n in enumerate(count["value"]):
         tables = {element: _rows(dataset, i, int(n), place) for element, dataset in datasets.items()}
         table = np.array([tables[element][:, j] for element, j in wanted])
         box = np.column_stack([group[f"box/{end}/value"][i] for end in ("lower", "upper")])
-        yield Frame(int(count["step"][i]), box, flags, picked.columns(table, place), time=float(count["time"][i]))
+        yield Frame(int(count["step"][i]), box, flags, picked.columns(table, place), dialect=dialect, time=float(count["time"][i]))
 
 
 def _check_creator(file: h5py.File, place: Place) -> None:

@@ -42,6 +42,10 @@ def _check_superquadrics(scene: Scene, p: Particles, shapes: Superquadrics) -> N
     if cylinder := next((wall.name for wall in scene.walls if isinstance(wall.shape, Cylinder)), None):
         message = f"wall {cylinder} is a cylinder, whose contact with superquadrics is not known here: use planes"
         raise ValueError(message)
+    for law in [*([scene.pair] if scene.pair else []), *(wall.law for wall in scene.walls)]:
+        if law.cohesion != "none":
+            message = f"cohesion {law.cohesion} is known for spheres only, not with superquadrics"
+            raise ValueError(message)
 
 
 def _check_clumps(p: Particles, clumps: Clumps) -> None:

@@ -28,7 +28,8 @@ from demsolver.listed import Listed
 from demsolver.scene import AddForce, Cylinder, Plane, Scene, SetForce, Wall
 from demsolver.specialise import DEEPEST
 from demsolver.stability_contacts import centred, contacts_in
-from demsolver.state import Floats, moved
+from demsolver.state import Floats, Shaped, moved
+from demsolver.superquadric.depths import pair_overlap, plane_overlaps
 from demsolver.trouble import Unstable
 
 if TYPE_CHECKING:
@@ -221,15 +222,20 @@ def deepest(simulation: Simulation) -> tuple[float, str]:
     """The deepest contact now: its overlap over the smaller radius, and who they are; -inf if nobody can touch."""
     b, pairs = simulation.bodies, simulation.pairs
     d = b.x[pairs.i] - b.x[pairs.j] - neighbors.SHIFTS[pairs.shift] * (simulation.box_hi - simulation.box_lo)
-    radius = np.minimum(b.radius[pairs.i], b.radius[pairs.j])
-    part = (b.radius[pairs.i] + b.radius[pairs.j] - np.linalg.norm(d, axis=1))[radius > 0.0] / radius[radius > 0.0]
+    size = b.shaped.size if isinstance(b.shaped, Shaped) else b.radius
+    radius, overlap = np.minimum(size[pairs.i], size[pairs.j]), b.radius[pairs.i] + b.radius[pairs.j] - np.linalg.norm(d, axis=1)
+    if isinstance(b.shaped, Shaped):
+        overlap[:] = _among_superquadrics(simulation.scene, b.shaped, pairs, d, overlap)
+    part = overlap[radius > 0.0] / radius[radius > 0.0]
     found, who = -np.inf, "nobody"
     if len(part) and not np.isnan(part).all():
         worst = int(np.nanargmax(part))
         i, j = sorted(int(simulation.id[side[radius > 0.0][worst]]) for side in (pairs.i, pairs.j))
         found, who = float(part[worst]), f"particles {i} and {j}"
     contacts = contacts_in(simulation.scene, b, _NOBODY, simulation.box_hi - simulation.box_lo)
-    at_wall = contacts.overlap / b.radius[contacts.i]
+    at_wall = contacts.overlap / size[contacts.i]
+    if isinstance(b.shaped, Shaped):
+        at_wall = plane_overlaps(b.shaped, contacts.i, contacts.n, b.radius[contacts.i] - contacts.overlap) / size[contacts.i]
     if len(at_wall) and at_wall.max() > found:
         worst = int(np.argmax(at_wall))
         found, who = float(at_wall[worst]), f"particle {simulation.id[contacts.i[worst]]} and wall {simulation.scene.walls[contacts.law[worst]].name}"
@@ -237,6 +243,11 @@ def deepest(simulation: Simulation) -> tuple[float, str]:
         if found < 1.0 and len(rows := centred(simulation.scene, number, b)):
             found, who = 1.0, f"particle {simulation.id[rows[0]]} and wall {wall.name}"
     return found, who
+
+
+def _among_superquadrics(scene: Scene, b: Shaped, pairs: Listed, d: Floats, bound: Floats) -> Floats:
+    """(m,) overlaps of listed pairs; bound: of their bounding spheres."""
+    return np.array([pair_overlap(scene, b, *who) if most > 0.0 else -np.inf for *who, most in zip(pairs.i, pairs.j, d, bound, strict=True)])
 
 
 def _driven(scene: Scene) -> bool:

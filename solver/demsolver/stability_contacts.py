@@ -75,8 +75,19 @@ def law_of(scene: Scene, number: int) -> ContactLaw:
     return scene.pair
 
 
+def check_spheres(scene: Scene) -> None:
+    """Raises ValueError for a scene of other bodies, whose contacts, inertias and limits are not those of spheres."""
+    p = scene.particles
+    for what, there in (("superquadrics", p.superquadrics), ("clumps", p.clumps)):
+        if there is not None:
+            message = f"the limits of a step are known for spheres on their own, not for {what}"
+            raise ValueError(message)
+
+
 def contacts_of(scene: Scene) -> Contacts:
-    """The contacts of a scene as it stands. Raises ValueError when a periodic box is shorter than the reach of a contact."""
+    """The contacts of a scene as it stands. Raises ValueError when a periodic box is shorter than the reach of a contact, and for bodies that are
+    no spheres on their own."""
+    check_spheres(scene)
     bodies = bodies_of(scene)
     lo, hi = np.array(scene.box.lo, dtype=float), np.array(scene.box.hi, dtype=float)
     neighbors.wrap(bodies.x, lo, hi, scene.box.periodic)

@@ -1,4 +1,7 @@
-"""Tells when a run is about to start with a step above a stability limit. A scene far below its limits costs a few milliseconds."""
+"""Tells when a run is about to start with a step above a stability limit. A scene far below its limits costs a few milliseconds.
+
+Of scenes with superquadrics or clumps it says nothing: their limits are not known.
+"""
 
 from __future__ import annotations
 
@@ -27,6 +30,8 @@ class StepWatch:
 
     def look(self, simulation: Simulation) -> None:
         """At a simulation that has been set up."""
+        if simulation.scene.particles.superquadrics is not None or simulation.scene.particles.clumps is not None:
+            return
         scene = replace(simulation.scene, particles=simulation.particles())
         contacts = contacts_in(scene, simulation.bodies, simulation.pairs, simulation.box_hi - simulation.box_lo)
         limits = contact_limits(scene, contacts)

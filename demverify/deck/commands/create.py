@@ -83,6 +83,8 @@ def _options(cmd: Command, known: tuple[str, ...], repeated: Ints | None = None,
 def read_data(deck: Interpreter, cmd: Command) -> None:
     """read_data FILE [extra/atom/types N] [nocoeff]"""
     before_box(deck, cmd)
+    if deck.setup.atom_style == "superquadric":
+        raise cmd.error("reads spheres: superquadrics are made by create_atoms and set")
     name = cmd.take("a file")
     extra = 0
     while cmd:

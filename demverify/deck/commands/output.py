@@ -10,7 +10,7 @@ from demverify.deck.commands.space import need_box
 from demverify.deck.interpreter import Interpreter
 from demverify.deck.setup import DumpSpec, ThermoSpec
 from demverify.formats import bodies
-from demverify.formats.columns import COLUMNS
+from demverify.formats.columns import columns_of
 
 _THERMO = ("norm", "lost", "flush", "format", "line", "warn", "colname", "temp", "press")
 _OTHER_DUMPS = (  # of either engine; they cannot change the physics
@@ -76,7 +76,9 @@ def dump(deck: Interpreter, cmd: Command) -> None:
     columns = cmd.rest() or (_ATOM_COLUMNS if style == "atom" else ())
     if not columns:
         raise cmd.error("custom expects the columns to write")
-    known = [column for column in COLUMNS if (deck.setup.dialect, column) != ("lammps", "density")]
+    clumps = any(spec.style == "multisphere" for spec in deck.setup.fixes.values())
+    there = columns_of(superquadrics=deck.setup.atom_style == "superquadric", clumps=clumps)
+    known = [column for column in there if (deck.setup.dialect, column) != ("lammps", "density")]
     for column in columns:
         if column not in known:
             raise cmd.error(f"custom column {column!r} is not one of {', '.join(known)}")

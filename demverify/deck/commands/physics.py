@@ -44,6 +44,7 @@ def fix(deck: Interpreter, cmd: Command) -> None:
     if style in insertion.CHECKS:
         insertion.CHECKS[style](deck.setup, spec)
     if style == CHECK_TIMESTEP:
+        _only_spheres(deck, cmd, style)
         check_of(deck.setup, spec)
     deck.setup.fixes[name] = spec
 
@@ -66,10 +67,18 @@ def compute(deck: Interpreter, cmd: Command) -> None:
     style = cmd.choice("style", _COMPUTES[deck.setup.dialect])
     if name in deck.setup.computes:
         raise cmd.error(f"{name!r} exists already")
+    if style == "erotate/sphere":
+        _only_spheres(deck, cmd, style)
     spec = Spec(name, group, style, cmd.rest(), cmd.place)
     if style in bodies.STYLES:
         bodies.check_compute(spec)
     deck.setup.computes[name] = spec
+
+
+def _only_spheres(deck: Interpreter, cmd: Command, style: str) -> None:
+    """Raises InputError where particles are superquadrics, whose radius is that of a sphere around them."""
+    if deck.setup.atom_style == "superquadric":
+        raise cmd.error(f"{style} is of spheres: not with atom_style superquadric")
 
 
 @command("uncompute")

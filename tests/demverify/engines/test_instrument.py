@@ -196,3 +196,12 @@ def test_the_plan_is_the_sum_of_plain_runs(home, text, total):
     (home / "steps.inc").write_text("run 3\n")
     (home / "in.deck").write_text(text)
     assert prepare(home / "in.deck", home.parent / "out", "lammps", {}, None).total == total
+
+
+def test_the_dump_of_superquadrics_has_shapes(home: Path) -> None:
+    """Law: what tells superquadrics from spheres goes into the dump of all particles of such a deck, and of no other."""
+    for style, there in (("superquadric", True), ("granular", False)):
+        (home / "in.deck").write_text(f"atom_style {style}\nrun 1\n")
+        prepared = prepare(home / "in.deck", home.parent / "out", "liggghts", {}, 1)
+        assert (" shapex shapey shapez blockiness1 blockiness2 quat1" in prepared.deck.read_text()) == there
+        assert ({"shapex", "blockiness2", "quat4", "angmomz"} <= set(prepared.columns)) == there
