@@ -17,6 +17,7 @@ from __future__ import annotations
 from math import cos, sin, sqrt
 
 import numpy as np
+from numba import njit
 
 from demsolver.algebra import Quat, Vector, compiled, normalised, product, pushed, spin_of, to_body
 
@@ -27,9 +28,11 @@ RULES = [np.polynomial.legendre.leggauss(n) for n in (7, 4, 2)]
 NODES = tuple(float(0.5 * (1.0 + node)) for nodes, _ in RULES for node in nodes)
 WEIGHTS = tuple(float(0.5 * weight) for _, weights in RULES for weight in weights)
 TINY = 1e-150
+with_arrays = njit(error_model="numpy", nogil=True, _nrt=True)
+"""`compiled` for what makes arrays: the loops that call it have none, and would hand that down."""
 
 
-@compiled
+@with_arrays
 def jacobi(u: float, complement: float) -> Vector:
     """sn, cn and dn of u by the arithmetic-geometric mean, Abramowitz & Stegun 16.4 in Bulirsch's form. complement: k'^2 = 1 - k^2, from 0 to 1."""
     if complement < TINY:
