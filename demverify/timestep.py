@@ -78,12 +78,20 @@ def step_report(deck: Path, variables: Mapping[str, Sequence[str]]) -> StepRepor
 
     run = plan(deck, variables).runs[0]
     scene = run.scene
+    refuse_clumps(scene, deck)
     touching = contacts_of(scene)
     limits, packing = contact_limits(scene, touching), packing_limit(scene, touching)
     material = _material(run.setup)
     times = None if isinstance(material, str) else _times(run.setup, scene, material)
     rows = (*_contact_rows(limits), *_packing_rows(packing), *_liggghts_rows(times, material if isinstance(material, str) else "", scene))
     return StepReport(deck, scene.timestep, len(scene.particles.id), rows, limits, packing, tuple(_said(run.setup, scene)))
+
+
+def refuse_clumps(scene: Scene, deck: Path) -> None:
+    """Raises InputError where a scene has clumps: a push at a member moves and turns the whole, and the limits here are those of single bodies."""
+    if scene.particles.clumps is not None:
+        message = "this deck has clumps, and the longest stable step of clumps is not worked out here: only that of spheres and superquadrics"
+        raise InputError(message, Place(deck))
 
 
 def refuse(report: StepReport) -> None:

@@ -78,6 +78,9 @@ def conversion(plan: Plan, target: Dialect, data_name: str) -> Conversion:
     if not plan.runs or not plan.whole:
         message = "cannot be converted: it " + ("has no run" if not plan.runs else "goes on with values that only its own runs give")
         raise InputError(message, Place(plan.deck))
+    if any(run.scene.particles.clumps is not None for run in plan.runs):
+        message = "this deck has clumps, which are not converted: the engines place them by other commands and files"
+        raise InputError(message, Place(plan.deck))
     return _Translator(plan, target, data_name).translate()
 
 

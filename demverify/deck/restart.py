@@ -13,7 +13,7 @@ import struct
 import zipfile
 import zlib
 from collections.abc import Iterable
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -21,6 +21,7 @@ import numpy as np
 
 from demsolver.memories import Memories, WallMemory
 from demsolver.scene import Box
+from demverify.deck.particles import ARRAYS
 from demverify.deck.setup import Atoms, Dialect, Setup
 from demverify.errors import InputError, Place
 from demverify.formats.atomic import atomic_write
@@ -48,9 +49,12 @@ class Restart:
 
 
 def restart_of(setup: Setup, memories: Memories | None) -> Restart:
-    """The state of a deck with what its contacts remember: copies. Raises InputError where there is no box yet."""
+    """The state of a deck with what its contacts remember: copies. Raises InputError where there is no box yet, and
+    for particles that are not kept."""
     if setup.box is None or setup.atoms is None:
         raise InputError("write_restart needs a simulation box: create_box or read_data must come first")
+    if setup.atoms.superquadrics is not None or setup.atoms.clumps is not None:
+        raise InputError("write_restart keeps spheres that are free: superquadrics and clumps are not written to restart files")
     settings = {name: getattr(setup, name) for name in _SETTINGS}
     settings |= {"groups": dict(setup.groups), "step": int(setup.step), "time": float(setup.time)}
     settings["pair_coeffs"] = [words for words, _ in setup.pair_coeffs]
@@ -58,7 +62,7 @@ def restart_of(setup: Setup, memories: Memories | None) -> Restart:
         settings["timestep"] = setup.dt
     box, atoms = setup.box, setup.atoms
     kept = Box(box.lo.copy(), box.hi.copy(), box.boundary, None if box.margin is None else np.array(box.margin, dtype=float))
-    return Restart(setup.dialect, settings, kept, Atoms(**{f.name: getattr(atoms, f.name).copy() for f in fields(Atoms)}), memories)
+    return Restart(setup.dialect, settings, kept, Atoms(**{name: getattr(atoms, name).copy() for name in ARRAYS}), memories)
 
 
 def restore(setup: Setup, found: Restart, place: Place) -> None:
@@ -75,7 +79,7 @@ def restore(setup: Setup, found: Restart, place: Place) -> None:
     setup.timestep = s.get("timestep")  # None in LIGGGHTS: the default of the units until a timestep command
     setup.step, setup.time = s["step"], s["time"]
     setup.box, setup.memories, setup.restored = found.box, found.memories, place
-    setup.atoms = Atoms(**{f.name: getattr(found.atoms, f.name).copy() for f in fields(Atoms)})
+    setup.atoms = Atoms(**{name: getattr(found.atoms, name).copy() for name in ARRAYS})
 
 
 def write_restart_file(path: Path, state: Restart) -> None:
@@ -84,7 +88,7 @@ def write_restart_file(path: Path, state: Restart) -> None:
     arrays: dict[str, Any] = {"box_lo": state.box.lo, "box_hi": state.box.hi}
     if state.box.margin is not None:
         arrays["box_margin"] = state.box.margin
-    arrays |= {f"atoms_{f.name}": getattr(state.atoms, f.name) for f in fields(Atoms)}
+    arrays |= {f"atoms_{name}": getattr(state.atoms, name) for name in ARRAYS}
     if m := state.memories:
         header |= {"pair_laws": m.laws, "walls": {name: wall.laws for name, wall in m.walls.items()}}
         arrays |= {"memory_id": m.id, "memory_rows": m.rows, "memory_tally": m.tally}
@@ -157,4 +161,4 @@ def _restart(header: dict[str, Any], arrays: dict[str, Any]) -> Restart:
         memories = Memories(arrays["memory_id"], arrays["memory_rows"], laws, **pairs, walls=walls, tally=arrays["memory_tally"])
     x, y, z = header["faces"]
     box = Box(arrays["box_lo"], arrays["box_hi"], (x, y, z), arrays.get("box_margin"))
-    return Restart(header["dialect"], settings, box, Atoms(**{f.name: arrays[f"atoms_{f.name}"] for f in fields(Atoms)}), memories)
+    return Restart(header["dialect"], settings, box, Atoms(**{name: arrays[f"atoms_{name}"] for name in ARRAYS}), memories)

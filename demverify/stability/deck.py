@@ -20,7 +20,7 @@ from demverify.report.charts import Rule, Series, chart
 from demverify.stability.held import GROWN, Growth, Longest, grown, longest
 from demverify.stability.limits import WITHIN
 from demverify.studies import Claim, Figure, Finding, Progress, Study, Table
-from demverify.timestep import StepReport, step_report
+from demverify.timestep import StepReport, refuse_clumps, step_report
 
 MOST_STEPS, LOOK = 200_000, 10
 """A deck in which nothing touches is run at most so far, looking every so many steps."""
@@ -61,6 +61,7 @@ def standing(deck: Path, variables: Mapping[str, Sequence[str]]) -> Standing:
     from demverify.runs import plan
 
     run = plan(deck, variables).runs[0]
+    refuse_clumps(run.scene, deck)
     scene, waited = in_contact(run.scene, run.steps, Place(deck))
     still = at_rest(scene)
     contacts = contacts_of(still)

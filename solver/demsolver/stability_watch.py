@@ -26,7 +26,9 @@ class StepWatch:
     _fine: dict[float, float] = field(default_factory=dict)  # step -> contacts of the last packing that was below its limit
 
     def look(self, simulation: Simulation) -> None:
-        """At a simulation that has been set up."""
+        """At a simulation that has been set up; not at one with clumps, whose limits are not known here."""
+        if simulation.scene.particles.clumps is not None:
+            return
         scene = replace(simulation.scene, particles=simulation.particles())
         contacts = contacts_in(scene, simulation.bodies, simulation.pairs, simulation.box_hi - simulation.box_lo)
         limits = contact_limits(scene, contacts)

@@ -74,7 +74,8 @@ def scene_of(
     floor = replace(pair, coefficients={name: np.ravel(table)[:1] for name, table in pair.coefficients.items()})
     weight = (Gravity((0.0, 0.0, -9.81)),) if forces is None else forces
     box = box or Box(np.full(3, -0.5), np.full(3, 0.5), ("ff", "ff", "ff"))
-    return Scene(box, p, 1, dt, pair=pair, walls=(Wall("floor", Slab(2, lo=0.0), floor),), forces=weight, integrate=integrate, neighbor=Neighbor(skin))
+    walls = (Wall("floor", Slab(2, lo=0.0), floor),)
+    return Scene(box, p, 1, dt, pair=pair, walls=walls, forces=weight, integrate=integrate, neighbor=Neighbor(skin))
 
 
 def no_shapes(n: int) -> Superquadrics:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from dataclasses import fields
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +13,7 @@ from hypothesis import strategies as st
 from demsolver.memories import Memories, WallMemory
 from demsolver.scene import Box
 from demverify.deck.convert import conversion
+from demverify.deck.particles import ARRAYS
 from demverify.deck.restart import Restart, newest, read_restart_file, write_restart_file
 from demverify.deck.setup import Atoms
 from demverify.engines.base import Job
@@ -212,7 +212,7 @@ def test_what_is_written_is_read(tmp_path_factory: pytest.TempPathFactory, seed:
     write_restart_file(path, state)
     found = read_restart_file(path)
     assert (found.dialect, found.settings, found.box.boundary) == (state.dialect, state.settings, state.box.boundary)
-    arrays = [(getattr(found.atoms, f.name), getattr(state.atoms, f.name)) for f in fields(Atoms)]
+    arrays = [(getattr(found.atoms, name), getattr(state.atoms, name)) for name in ARRAYS]
     arrays += [(found.box.lo, state.box.lo), (found.box.hi, state.box.hi), (found.box.margin, state.box.margin)]
     a, b = found.memories, state.memories
     assert a is not None

@@ -47,7 +47,7 @@ def test_a_clump_across_a_periodic_face_moves_as_in_a_wide_box(members_weigh: bo
     p.clumps.v[:, 0] += 30.0
     p.v[:, 0] += 30.0
     wide = scene_of(p)
-    start = float(np.median(p.x[:8, 0]))  # through the middle of the first clump
+    start = float(p.clumps.x[0, 0])  # through the first clump
     lo, hi = np.array([start, -0.5, -0.5]), np.array([start + 0.12, 0.5, 0.5])
     turns = np.floor((p.x[:, 0] - lo[0]) / 0.12).astype(int)
     x, image = p.x.copy(), p.image.copy()
@@ -105,7 +105,7 @@ def test_threads_give_the_same_bits() -> None:
 
 
 def test_runs_go_on_where_they_stood() -> None:
-    """Law: `continue_with` the same scene is one run but for its set-up: clumps and what contacts remember are there, and a second way gives the bits."""
+    """Law: `continue_with` the same scene is one run but for its set-up: clumps and what contacts remember go on, as with `recall`, to the bit."""
     scene = packed(14, 3, 3)
     simulation = begun(scene, 100)
     on = simulation.continue_with(replace(scene, particles=simulation.particles(), box=simulation.box()))
