@@ -93,7 +93,7 @@ def _check_reduce(compute: Spec) -> None:
 def _check_density(setup: Setup, columns: Sequence[str], what: str, place: Place) -> None:
     clumps = setup.atoms.clumps if setup.atoms else None
     if "density" in columns and clumps is not None and not clumps.members_weigh:
-        message = f"{what}: density of members of clumps: LIGGGHTS keeps that of the template, which is not kept here; mass is that of the whole clump"
+        message = f"{what}: density of members of clumps: LIGGGHTS has that of the template, which is not kept here; mass is that of the whole"
         raise InputError(message, place)
 
 
