@@ -19,7 +19,7 @@ from demverify.deck.setup import Dialect
 from demverify.engines import ENGINES
 from demverify.engines.base import Job, Progress
 from demverify.errors import InputError, Place
-from demverify.frames import Frame, by_step
+from demverify.frames import Frame
 from demverify.reference import reference_checks
 from demverify.report.content import DifferenceCurve, EnergySeries, EngineInfo, Report, difference_curves
 from demverify.rules import under_liggghts_rules
@@ -289,7 +289,7 @@ def _law_checks(case: Case, runs: Mapping[str, Run]) -> list[Check]:
                 continue
             found = [
                 compare_law(one.quantity, label, one.measured, one.expected, law.tolerance, one.step, one.scale)
-                for one in laws.measure(law.name, tuple(by_step(run.frames).values()), law.parameters, Place(case.folder / FILE))
+                for one in laws.measure(law.name, run.frames, law.parameters, Place(case.folder / FILE))
             ]
             if entry := _deviation(law, run):
                 checks += _deviating(found, law, entry)

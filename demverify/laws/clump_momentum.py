@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from math import pi
 
-from demverify.frames import Frame
+from demverify.frames import Frame, by_step
 from demverify.laws import Measured, angular_momentum, momentum_balance
 
 INERTIA = 0.4
@@ -17,7 +17,8 @@ INERTIA = 0.4
 
 def measure(frames: Sequence[Frame], dt: float, density: float, gravity: float, until: float) -> list[Measured]:
     """Largest misses over the frames up to step `until`, after which something else may act. gravity: along -z."""
-    kept = [_weighed(frame, density) for frame in frames if frame.step - frames[0].step <= until]
+    series = list(by_step(frames).values())  # LIGGGHTS inserts in a step of its own, and counts from 0 again
+    kept = [_weighed(frame, density) for frame in series if frame.step - series[0].step <= until]
     return [
         *momentum_balance.measure(kept, dt, gravity, 0.0, 0.0, -1.0),
         *angular_momentum.measure(kept, dt, gravity, 0.0, 0.0, -1.0, INERTIA),
