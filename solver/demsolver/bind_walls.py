@@ -160,7 +160,7 @@ def _shape_source(wall: Wall) -> str:
             wvy += turning[2] * (ax + way * nx) - turning[0] * (az + way * nz)
             wvz += turning[0] * (ay + way * ny) - turning[1] * (ax + way * nx)"""
     return f"""
-        round_ = b.shaped.axes[i, 0] == 0.0
+        round_ = b.axes[i, 0] == 0.0
         ax = ay = az = 0.0
         if touches and not round_:
             overlap, ax, ay, az, reff = meet_plane(i, way, nx, ny, nz, b, {CURVATURES[wall.law.curvature]}, {min(wall.law.curvature_limit, 1e300)})
@@ -301,7 +301,7 @@ def fields_source(scene: Scene, *, implicit: bool, rotates: bool) -> str:
         lines.append(f"    if {member(scene, field.bit, f'bits[{k}]')}:")
         if isinstance(field, Gravity):
             if scene.particles.clumps and not scene.particles.clumps.members_weigh:
-                lines[-1] = lines[-1].replace(":", " and b.clumped.clump[i] < 0:")  # the clump as a whole is pulled
+                lines[-1] = lines[-1].replace(":", " and b.clump[i] < 0:")  # the clump as a whole is pulled
             lines += [f"        b.{array}[i, {c}] += b.mass[i] * numbers[{k}, {c}]" for array in sums for c in range(3)]
         elif isinstance(field, Viscous):
             lines.append(f"        drag(i, gammas[{drags}, b.kind[i]], b, last_force[{drags}], dt, advance, tally)")

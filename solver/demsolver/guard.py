@@ -28,7 +28,7 @@ from demsolver.listed import Listed
 from demsolver.scene import AddForce, Cylinder, Plane, Scene, SetForce, Wall
 from demsolver.specialise import DEEPEST
 from demsolver.stability_contacts import centred, contacts_in
-from demsolver.state import Floats, Shaped, moved
+from demsolver.state import Floats, Shaped, moved, shaped_of
 from demsolver.superquadric.depths import pair_overlap, plane_overlaps
 from demsolver.trouble import Unstable
 
@@ -222,10 +222,11 @@ def deepest(simulation: Simulation) -> tuple[float, str]:
     """The deepest contact now: its overlap over the smaller radius, and who they are; -inf if nobody can touch."""
     b, pairs = simulation.bodies, simulation.pairs
     d = b.x[pairs.i] - b.x[pairs.j] - neighbors.SHIFTS[pairs.shift] * (simulation.box_hi - simulation.box_lo)
-    size = b.shaped.size if isinstance(b.shaped, Shaped) else b.radius
+    shaped = shaped_of(b)
+    size = shaped.size if shaped else b.radius
     radius, overlap = np.minimum(size[pairs.i], size[pairs.j]), b.radius[pairs.i] + b.radius[pairs.j] - np.linalg.norm(d, axis=1)
-    if isinstance(b.shaped, Shaped):
-        overlap[:] = _among_superquadrics(simulation.scene, b.shaped, pairs, d, overlap)
+    if shaped:
+        overlap[:] = _among_superquadrics(simulation.scene, shaped, pairs, d, overlap)
     part = overlap[radius > 0.0] / radius[radius > 0.0]
     found, who = -np.inf, "nobody"
     if len(part) and not np.isnan(part).all():
@@ -234,8 +235,8 @@ def deepest(simulation: Simulation) -> tuple[float, str]:
         found, who = float(part[worst]), f"particles {i} and {j}"
     contacts = contacts_in(simulation.scene, b, _NOBODY, simulation.box_hi - simulation.box_lo)
     at_wall = contacts.overlap / size[contacts.i]
-    if isinstance(b.shaped, Shaped):
-        at_wall = plane_overlaps(b.shaped, contacts.i, contacts.n, b.radius[contacts.i] - contacts.overlap) / size[contacts.i]
+    if shaped:
+        at_wall = plane_overlaps(shaped, contacts.i, contacts.n, b.radius[contacts.i] - contacts.overlap) / size[contacts.i]
     if len(at_wall) and at_wall.max() > found:
         worst = int(np.argmax(at_wall))
         found, who = float(at_wall[worst]), f"particle {simulation.id[contacts.i[worst]]} and wall {simulation.scene.walls[contacts.law[worst]].name}"

@@ -70,10 +70,10 @@ def look(q, u, b, p, near, shifts, equal, coefficients, ntypes, dt, advance, tal
 @compiled
 def look_closer(u, k, a, o, dx, dy, dz, b, p, dt, tally, lanes):
     """Whether two touch whose bounding spheres do; their geometry goes into lane u. In lanes A: the contact point from a; of two spheres nothing."""
-    if b.shaped.axes[a, 0] == 0.0 and b.shaped.axes[o, 0] == 0.0:
-        reach, distance = b.shaped.size[a] + b.shaped.size[o], sqrt(dx * dx + dy * dy + dz * dz)
+    if b.axes[a, 0] == 0.0 and b.axes[o, 0] == 0.0:
+        reach, distance = b.size[a] + b.size[o], sqrt(dx * dx + dy * dy + dz * dz)
         lanes[NX + u], lanes[NY + u], lanes[NZ + u] = dx / distance, dy / distance, dz / distance
-        lanes[OVERLAP + u], lanes[PUSH + u], lanes[REFF + u], lanes[ROUND + u] = reach - distance, 1.0, b.shaped.size[a] * b.shaped.size[o] / reach, 1.0
+        lanes[OVERLAP + u], lanes[PUSH + u], lanes[REFF + u], lanes[ROUND + u] = reach - distance, 1.0, b.size[a] * b.size[o] / reach, 1.0
         return np.uint64(1)
     state, overlap, push, n, arm, reff = meet(k, a, o, dx, dy, dz, b, p.memory, GEOMETRY, HOW, p.touching[k] & 1 != 0, dt, True)
     if state == NOT_FOUND:
@@ -87,13 +87,13 @@ def look_closer(u, k, a, o, dx, dy, dz, b, p, dt, tally, lanes):
 @inlined
 def heft(b, i):
     """The mass that contacts of particle i see."""
-    return b.clumped.heft[i] if CLUMPS else b.mass[i]
+    return b.heft[i] if CLUMPS else b.mass[i]
 
 
 @inlined
 def rough_size(b, i):
     """Its radius, or that of a sphere of the same volume."""
-    return b.shaped.size[i] if SHAPES else b.radius[i]
+    return b.size[i] if SHAPES else b.radius[i]
 
 
 @compiled

@@ -25,12 +25,12 @@ NOTHING = (0.0, 0.0, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 0.0)
 @compiled
 def body_at(b, i, x, y, z):
     """Particle i for the geometry, with its centre there."""
-    if b.shaped.axes[i, 0] == 0.0:
-        r = b.shaped.size[i]
+    if b.axes[i, 0] == 0.0:
+        r = b.size[i]
         return Body((x, y, z), (1.0, 0.0, 0.0, 0.0), (r, r, r), 2.0, 2.0, 1.0)
-    n1, n2 = b.shaped.blockiness[i, 0], b.shaped.blockiness[i, 1]
-    q = b.shaped.quat[i, 0], b.shaped.quat[i, 1], b.shaped.quat[i, 2], b.shaped.quat[i, 3]
-    return Body((x, y, z), q, (b.shaped.axes[i, 0], b.shaped.axes[i, 1], b.shaped.axes[i, 2]), n1, n2, 2.0 ** (2.0 - max(n1, n2)))
+    n1, n2 = b.blockiness[i, 0], b.blockiness[i, 1]
+    q = b.quat[i, 0], b.quat[i, 1], b.quat[i, 2], b.quat[i, 3]
+    return Body((x, y, z), q, (b.axes[i, 0], b.axes[i, 1], b.axes[i, 2]), n1, n2, 2.0 ** (2.0 - max(n1, n2)))
 
 
 @compiled
@@ -87,7 +87,7 @@ def meet(k, a, o, dx, dy, dz, b, memory, g, how, touched, dt, keep):
             return NOT_FOUND, *NOTHING
     push = 1.0
     if kind == BY_GROWTH:
-        reach = b.shaped.size[a] + b.shaped.size[o]
+        reach = b.size[a] + b.size[o]
         lam, part, n = grown(p, i, j)
         overlap, push = (1.0 - lam) * reach, reach * part
     else:
@@ -99,7 +99,7 @@ def meet(k, a, o, dx, dy, dz, b, memory, g, how, touched, dt, keep):
             memory[k, g + 4 + c] = n[c]
     if not overlap > 0.0:
         return APART, *NOTHING
-    reff = b.shaped.size[a] * b.shaped.size[o] / (b.shaped.size[a] + b.shaped.size[o])
+    reff = b.size[a] * b.size[o] / (b.size[a] + b.size[o])
     if curved != 0:
         reff = limited(chord_curvature(p, n, i, j, curved), reff, limit)
     return TOUCHES, overlap, push, n, p, reff
@@ -111,7 +111,7 @@ def meet_plane(i, way, nx, ny, nz, b, kind, limit):
     in `meet`."""
     body = body_at(b, i, 0.0, 0.0, 0.0)
     overlap, p, _ = touch((-way * nx, -way * ny, -way * nz), body)
-    reff = b.shaped.size[i]
+    reff = b.size[i]
     if kind != 0 and overlap > 0.0:
         reff = limited(curvature(seen(p, body), body, kind), reff, limit)
     return overlap, p[0], p[1], p[2], reff
@@ -122,10 +122,10 @@ def about_point(i, ax, ay, az, wx, wy, wz, b):
     """Moment of inertia of particle i about an axis along w through the point a from its centre, all of its mass at the distance of that."""
     size = sqrt(wx * wx + wy * wy + wz * wz)
     m = b.mass[i]
-    own = 0.4 * m * b.shaped.size[i] * b.shaped.size[i]
-    if b.shaped.axes[i, 0] > 0.0:
+    own = 0.4 * m * b.size[i] * b.size[i]
+    if b.axes[i, 0] > 0.0:
         e = (0.0, 0.0, 1.0)
         if size > 0.0:
-            e = to_body((b.shaped.quat[i, 0], b.shaped.quat[i, 1], b.shaped.quat[i, 2], b.shaped.quat[i, 3]), (wx / size, wy / size, wz / size))
-        own = e[0] * e[0] * b.shaped.inertia[i, 0] + e[1] * e[1] * b.shaped.inertia[i, 1] + e[2] * e[2] * b.shaped.inertia[i, 2]
+            e = to_body((b.quat[i, 0], b.quat[i, 1], b.quat[i, 2], b.quat[i, 3]), (wx / size, wy / size, wz / size))
+        own = e[0] * e[0] * b.inertia[i, 0] + e[1] * e[1] * b.inertia[i, 1] + e[2] * e[2] * b.inertia[i, 2]
     return own + m * length((ax, ay, az)) ** 2

@@ -38,7 +38,7 @@ def stored(b, p, shifts, coefficients, ntypes, walls, dt):
                     row = 0 if ONE_LAW else b.kind[a] * ntypes + b.kind[o]
                     ra, ro = rough_size(b, a), rough_size(b, o)
                     overlap, reff = reach - distance, ra * ro / (ra + ro)
-                    if SHAPES and (b.shaped.axes[a, 0] > 0.0 or b.shaped.axes[o, 0] > 0.0):
+                    if SHAPES and (b.axes[a, 0] > 0.0 or b.axes[o, 0] > 0.0):
                         dx, dy, dz = between(a, o, s, b.x, shifts)
                         state, overlap, _, _, _, reff = meet(k, a, o, dx, dy, dz, b, p.memory, GEOMETRY, HOW, p.touching[k] & 1 != 0, 0.0, False)
                         if state != TOUCHES:

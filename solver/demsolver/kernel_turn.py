@@ -13,17 +13,17 @@ TURN_FIRST, TURN_SECOND, TURN_BOTH = 0, 1, 2
 def turn(low, high, part, b, dt):
     """The superquadrics low..high turn: the second half of this step, and (TURN_BOTH) the first of the next, or that alone."""
     for i in range(low, high):
-        if b.shaped.axes[i, 0] == 0.0:
+        if b.axes[i, 0] == 0.0:
             continue
-        q = b.shaped.quat[i, 0], b.shaped.quat[i, 1], b.shaped.quat[i, 2], b.shaped.quat[i, 3]
-        angmom = b.shaped.angmom[i, 0], b.shaped.angmom[i, 1], b.shaped.angmom[i, 2]
+        q = b.quat[i, 0], b.quat[i, 1], b.quat[i, 2], b.quat[i, 3]
+        angmom = b.angmom[i, 0], b.angmom[i, 1], b.angmom[i, 2]
         omega = b.omega[i, 0], b.omega[i, 1], b.omega[i, 2]
         torque = b.torque[i, 0], b.torque[i, 1], b.torque[i, 2]
-        inertia = b.shaped.inertia[i, 0], b.shaped.inertia[i, 1], b.shaped.inertia[i, 2]
+        inertia = b.inertia[i, 0], b.inertia[i, 1], b.inertia[i, 2]
         if part != TURN_FIRST:
             angmom, omega = second(q, angmom, omega, torque, inertia, dt)
         if part != TURN_SECOND:
             q, angmom, omega = first(q, angmom, omega, torque, inertia, dt)
-            b.shaped.quat[i, 0], b.shaped.quat[i, 1], b.shaped.quat[i, 2], b.shaped.quat[i, 3] = q
+            b.quat[i, 0], b.quat[i, 1], b.quat[i, 2], b.quat[i, 3] = q
         for c in range(3):
-            b.shaped.angmom[i, c], b.omega[i, c] = angmom[c], omega[c]
+            b.angmom[i, c], b.omega[i, c] = angmom[c], omega[c]

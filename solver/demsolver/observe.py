@@ -16,7 +16,7 @@ from demsolver.neighbor_grid import bounds_of
 from demsolver.scene import Box, Clumps, Gravity, Particles, Scene, Superquadrics
 from demsolver.sleep import Sleepers
 from demsolver.specialise import Features, compiling
-from demsolver.state import Bodies, Floats, Ints, Pairs, Rigid, inertias, of_each, outside, selected
+from demsolver.state import Bodies, Floats, Ints, Pairs, Rigid, clumped_of, inertias, of_each, outside, selected, shaped_of
 
 if TYPE_CHECKING:
     from types import ModuleType
@@ -144,12 +144,12 @@ class Observed:
         omega = b.omega if self._has.ROTATES else self._still[self._order]
         mass, inertia = b.mass, inertias(self.scene, b.mask, b.mass, b.radius)
         kinetic = rotational = 0.0
-        if self._has.SHAPES:
-            shaped = b.shaped.axes[:, 0] > 0.0
-            rotational += 0.5 * float(np.sum(b.shaped.angmom[shaped] * omega[shaped]))
+        if more := shaped_of(b):
+            shaped = more.axes[:, 0] > 0.0
+            rotational += 0.5 * float(np.sum(more.angmom[shaped] * omega[shaped]))
             inertia = np.where(shaped, 0.0, inertia)
-        if self._has.CLUMPS:
-            c, member = self._rigid, b.clumped.clump >= 0
+        if members := clumped_of(b):
+            c, member = self._rigid, members.clump >= 0
             kinetic += 0.5 * float(np.einsum("i,ic,ic", c.mass, c.v, c.v))
             rotational += 0.5 * float(np.sum(c.angmom * c.omega))
             mass, inertia = np.where(member, 0.0, mass), np.where(member, 0.0, inertia)
@@ -181,20 +181,19 @@ class Observed:
         )  # fmt: skip
 
     def _superquadrics(self) -> Superquadrics | None:
-        if not self._has.SHAPES:
-            return None
         names = ("axes", "blockiness", "quat", "inertia", "angmom")
-        return Superquadrics(**{name: outside(getattr(self._bodies.shaped, name), self._order) for name in names})
+        found = shaped_of(self._bodies)
+        return Superquadrics(**{name: outside(getattr(found, name), self._order) for name in names}) if found else None
 
     def _clumps(self) -> Clumps | None:
         """The clumps as they are now: copies."""
-        was, c = self.scene.particles.clumps, self._rigid
-        if was is None:
+        was, c, members = self.scene.particles.clumps, self._rigid, clumped_of(self._bodies)
+        if was is None or members is None:
             return None
         offset = np.zeros((len(self.id), 3))
         offset[self._order[c.member]] = c.offset
         moved = {name: getattr(c, name).copy() for name in ("x", "v", "quat", "angmom", "omega")}
-        return replace(was, body=outside(self._bodies.clumped.clump, self._order), offset=offset, **moved)
+        return replace(was, body=outside(members.clump, self._order), offset=offset, **moved)
 
     def clump_forces(self) -> tuple[Floats, Floats]:
         """Forces and torques about the centres of mass (m, 3) of the clumps as they are now: copies."""
@@ -224,8 +223,8 @@ class Observed:
         falls = (b.moving | self._sleepers.asleep if self._sleepers else b.moving) & ~b.frozen
         unwrapped = b.x + self._image * (self.box_hi - self.box_lo)
         heights = np.zeros(len(b.x))
-        if self._has.CLUMPS:
-            falls &= b.clumped.clump < 0
+        if members := clumped_of(b):
+            falls &= members.clump < 0
         for field in self.scene.forces:
             if isinstance(field, Gravity):
                 heights -= np.where(selected(b.mask, field.bit) & falls, b.mass * (unwrapped @ np.array(field.acceleration)), 0.0)

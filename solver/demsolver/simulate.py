@@ -23,7 +23,7 @@ from demsolver.observe import ACCOUNT, LOST_POINTS, TALLIES, Observed
 from demsolver.scene import NveClumps, Plane, Scene
 from demsolver.sleep import Sleep, Sleepers, check_sleep
 from demsolver.specialise import CHUNK, GEOMETRY, compiling, features, specialise
-from demsolver.state import Bodies, Floats, Ints, Pairs, Rigid, arrays_of, bodies_of, flat_of, movers_first, of_each, placed, rigid_of
+from demsolver.state import Bodies, Floats, Ints, Pairs, Rigid, bodies_of, clumped_of, flat_of, movers_first, of_each, placed, rigid_of
 from demsolver.threads import use_threads
 from demsolver.trouble import LostParticles, Unstable, check_finite, check_flight, lost_points, refused
 
@@ -254,7 +254,8 @@ class Simulation(Observed):
             keep_frozen = self.virial or self._budget or (columns > 0 and neighbors.frozen_remember(old, b))
             place, b = self._resort(), self._bodies
             if keep_frozen not in self._unseen:
-                clump = b.clumped.clump if self._has.CLUMPS else None
+                members = clumped_of(b)
+                clump = members.clump if members else None
                 self._unseen[keep_frozen] = neighbors.exclusions(self.scene, b.mask, b.kind, None if keep_frozen else b.frozen, clump)
             new = neighbors.build(self.scene, b, self.box_lo, self.box_hi, columns, self._unseen[keep_frozen], self._threads)
             neighbors.carry(old, new, wraps, self.scene.history_outlives_contact, self._columns, b, self._shifts(), place, self._threads)
@@ -282,7 +283,7 @@ class Simulation(Observed):
         """Row k becomes what row rows[k] was."""
         n = len(self.id)
         if len(rows) == n:  # in place: no second copy of everything
-            for array in arrays_of(self._bodies):
+            for array in self._bodies:
                 if len(array) == n:
                     array[:] = array[rows]
         else:
@@ -335,7 +336,8 @@ class Simulation(Observed):
         if gone.any():
             if self._guard:
                 self._guard.lost(self)
-            clumped = self._bodies.clumped.clump[gone] >= 0 if self._has.CLUMPS else np.zeros(0, dtype=bool)
+            members = clumped_of(self._bodies)
+            clumped = members.clump[gone] >= 0 if members else np.zeros(0, dtype=bool)
             if self.scene.lost == "error" or clumped.any():  # no clump goes on without a member
                 first = int(self.id[self._order[gone]].min())
                 message = f"{int(gone.sum())} particles left the box by step {self.step}, the first with id {first}"

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections import namedtuple
+from collections.abc import Callable
 from typing import Any, NamedTuple, cast
 
 import numpy as np
@@ -40,7 +41,8 @@ class Bodies(NamedTuple):
     moving: whether an integrator moves the particle. kick: dt/2m, spin: dt/2I (semi-implicit Euler: dt/m, dt/I), thrice a row; where all
     are alike (1, 3), for all. omega, torque, spin: (0, 3) where nothing turns anything. held: (n, 3) positions at the last list build.
     aside: (n, 3) what step laws move a particle by on top; in implicit scenes the part of the force that the step solves anew: springs and
-    gravity; (0, 3) in other scenes. shaped, clumped: an empty tuple in scenes without superquadrics or clumps, which cost nothing there.
+    gravity; (0, 3) in other scenes. Scenes with superquadrics have the fields of Shaped behind these, scenes with clumps those of Clumped: others
+    are not handed what they lack. `shaped_of` and `clumped_of` give them apart.
     """
 
     x: Floats
@@ -58,8 +60,21 @@ class Bodies(NamedTuple):
     moving: NDArray[np.bool_]
     held: Floats
     aside: Floats
-    shaped: Shaped
-    clumped: Clumped
+
+
+ShapedBodies: Any = namedtuple("ShapedBodies", (*Bodies._fields, *Shaped._fields))  # type: ignore[misc]  # noqa: PYI024
+ClumpedBodies: Any = namedtuple("ClumpedBodies", (*Bodies._fields, *Clumped._fields))  # type: ignore[misc]  # noqa: PYI024
+MixedBodies: Any = namedtuple("MixedBodies", (*Bodies._fields, *Shaped._fields, *Clumped._fields))  # type: ignore[misc]  # noqa: PYI024
+
+
+def shaped_of(b: Bodies) -> Shaped | None:
+    """The arrays of superquadrics, not copied; None where the scene has none."""
+    return Shaped(*(getattr(b, name) for name in Shaped._fields)) if hasattr(b, "axes") else None
+
+
+def clumped_of(b: Bodies) -> Clumped | None:
+    """The same of members of clumps."""
+    return Clumped(*(getattr(b, name) for name in Clumped._fields)) if hasattr(b, "clump") else None
 
 
 class Rigid(NamedTuple):
@@ -134,7 +149,7 @@ def bodies_of(scene: Scene, *, aside: bool = False, rotates: bool = True, unifor
             frozen |= selected(p.mask, force.bit)
     kick, spin = _integration(scene)
     turning, alike = n if rotates else 0, 1 if uniform else n
-    return Bodies(
+    plain = Bodies(
         x=_copy(p.x),
         v=_copy(p.v),
         omega=_copy(p.omega[:turning]),
@@ -150,23 +165,29 @@ def bodies_of(scene: Scene, *, aside: bool = False, rotates: bool = True, unifor
         moving=moved(scene),
         held=_copy(p.x),
         aside=np.zeros((n if aside else 0, 3)),
-        shaped=_shaped(p),
-        clumped=_clumped(p),
     )
+    return _with(plain, _shaped(p), _clumped(p))
 
 
-def _shaped(p: Particles) -> Shaped:
+def _with(plain: Bodies, shaped: Shaped | None, clumped: Clumped | None) -> Bodies:
+    """With what the scene has more."""
+    kinds = {(False, False): Bodies, (True, False): ShapedBodies, (False, True): ClumpedBodies, (True, True): MixedBodies}
+    kind = kinds[shaped is not None, clumped is not None]
+    return cast("Bodies", kind(*plain, *(shaped or ()), *(clumped or ())))
+
+
+def _shaped(p: Particles) -> Shaped | None:
     one = p.superquadrics
     if one is None:
-        return cast("Shaped", ())
+        return None
     size, shaped = np.array(p.radius, dtype=np.float64), one.axes[:, 0] > 0.0
     size[shaped] = superquadric.equivalent_radius(one.axes[shaped], one.blockiness[shaped])
     return Shaped(*(_copy(part) for part in (one.quat, one.angmom, one.inertia, one.axes, one.blockiness, size)))
 
 
-def _clumped(p: Particles) -> Clumped:
+def _clumped(p: Particles) -> Clumped | None:
     if p.clumps is None:
-        return cast("Clumped", ())
+        return None
     member, heft = p.clumps.body >= 0, _copy(p.mass)
     heft[member] = p.clumps.mass[p.clumps.body[member]]
     return Clumped(np.array(p.clumps.body, dtype=np.int64), heft)
@@ -174,22 +195,7 @@ def _clumped(p: Particles) -> Clumped:
 
 def of_each(b: Bodies, change: Callable[[NDArray[Any]], NDArray[Any]]) -> Bodies:
     """What `change` makes of each array."""
-    return cast("Bodies", _of_each(b, change))
-
-
-def _of_each(part: Any, change: Callable[[NDArray[Any]], NDArray[Any]]) -> Any:
-    if not isinstance(part, tuple):
-        return change(part)
-    return type(part)(*(_of_each(one, change) for one in part)) if part else part
-
-
-def arrays_of(b: Bodies) -> Iterator[NDArray[Any]]:
-    """All arrays, one after another."""
-    for part in b:
-        if isinstance(part, tuple):
-            yield from part
-        else:
-            yield part
+    return type(b)(*(change(array) for array in b))
 
 
 def rigid_of(scene: Scene) -> Rigid:
@@ -295,6 +301,6 @@ def outside(array: NDArray[Any], order: Ints) -> NDArray[Any]:
 
 def movers_first(b: Bodies, rows: Ints) -> Ints:
     """`rows` with those of particles that move before the others, free ones before members of clumps."""
-    clumped = b.clumped.clump[rows] >= 0 if b.clumped else np.zeros(len(rows), dtype=bool)
-    moving = b.moving[rows]
+    more, moving = clumped_of(b), b.moving[rows]
+    clumped = more.clump[rows] >= 0 if more else np.zeros(len(rows), dtype=bool)
     return np.concatenate([rows[moving & ~clumped], rows[moving & clumped], rows[~moving]])

@@ -34,9 +34,9 @@ def vectors(frame: Frame, name: str) -> np.ndarray:
 def place(simulation: Simulation, frame: Frame) -> None:
     """Puts the bodies where a dump has them, with its forces as those of the last step; contacts keep what they remember."""
     b, order = simulation._bodies, simulation._order
-    for array, name in ((b.x, ""), (b.v, "v"), (b.omega, "omega"), (b.shaped.angmom, "angmom"), (b.force, "f"), (b.torque, "tq")):
+    for array, name in ((b.x, ""), (b.v, "v"), (b.omega, "omega"), (b.angmom, "angmom"), (b.force, "f"), (b.torque, "tq")):
         array[:] = vectors(frame, name)[order]
-    b.shaped.quat[:] = np.column_stack([frame.columns[f"quat{k}"] for k in range(1, 5)])[order]
+    b.quat[:] = np.column_stack([frame.columns[f"quat{k}"] for k in range(1, 5)])[order]
     if np.abs(b.x - b.held).max() > 0.5 * simulation.scene.neighbor.skin:
         simulation._relist()
 
