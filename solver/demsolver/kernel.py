@@ -39,6 +39,8 @@ from math import sqrt
 import numpy as np
 from numba import prange
 
+from demsolver.state import Bodies, Clumped, Shaped
+
 FORCES, FINISH, GO_ON = 0, 1, 2  # modes of a sweep
 DUE, TOO_FAST, TOO_DEEP = 1, 2, 3  # why run_steps returns before its steps are done
 NONE, NOBODY = np.int64(0), np.uint64(0)
@@ -154,31 +156,112 @@ def push(low, high, mode, b, flat, movers, dt):
     return jump
 
 
+if SHAPES:
+
+    @compiled
+    def shapes_of(b):
+        return b.shaped.quat, b.shaped.angmom, b.shaped.inertia, b.shaped.axes, b.shaped.blockiness, b.shaped.size
+
+    @compiled
+    def shaped_again(s):
+        return Shaped(s[0], s[1], s[2], s[3], s[4], s[5])
+
+else:
+
+    @compiled
+    def shapes_of(b):
+        return (b.x,)
+
+    @compiled
+    def shaped_again(s):
+        return ()
+
+
+if CLUMPS:
+
+    @compiled
+    def clumps_of(b):
+        return b.clumped.clump, b.clumped.heft
+
+    @compiled
+    def clumped_again(c):
+        return Clumped(c[0], c[1])
+
+else:
+
+    @compiled
+    def clumps_of(b):
+        return (b.x,)
+
+    @compiled
+    def clumped_again(c):
+        return ()
+
+
+@compiled
+def plain_of(b):
+    """The arrays of the bodies but those of shapes and clumps: Numba hands no tuple within a tuple to the threads."""
+    return b.x, b.v, b.omega, b.force, b.torque, b.radius, b.mass, b.kind, b.mask, b.frozen, b.kick, b.spin, b.moving, b.held, b.aside
+
+
+@compiled
+def bodies_again(t, s, c):
+    """The bodies of these arrays, of shapes_of and of clumps_of."""
+    return Bodies(
+        t[0], t[1], t[2], t[3], t[4], t[5], t[6], t[7], t[8], t[9], t[10], t[11], t[12], t[13], t[14], shaped_again(s), clumped_again(c)
+    )
+
+
+@compiled
+def cross_share(t, plain, shapes, grouped, p, near, shifts, equal, coefficients, ntypes, dt, advance, tallies):
+    """Thread t's pairs between chunks."""
+    b = bodies_again(plain, shapes, grouped)
+    for c in range(near.cross_share[t + 1] - 1, near.cross_share[t] - 1, -1):
+        contacts(
+            c, near.chunks[c, CROSS_FIRST], near.chunks[c, CROSS_END], near.cross_share[t + 1] * CHUNK, b, p, near, shifts, equal, coefficients,
+            ntypes, dt, advance, tallies[c], near.lanes[t], near.past[t], near.who[t],
+        )
+
+
+@compiled
+def own_share(t, mode, plain, shapes, grouped, flat, movers, p, near, shifts, equal, coefficients, ntypes, walls, fields, dt, advance, tallies, paces):
+    """The rest of thread t's chunks."""
+    b = bodies_again(plain, shapes, grouped)
+    if PAIRS:
+        give_kept(near.share[t] * CHUNK, near.share[t + 1] * CHUNK, b, near)
+    for c in range(near.share[t], near.share[t + 1]):
+        if PAIRS:
+            contacts(
+                c, near.chunks[c, FIRST], near.chunks[c, END], b.x.shape[0], b, p, near, shifts, equal, coefficients, ntypes, dt, advance, tallies[c],
+                near.lanes[t], near.past[t], near.who[t],
+            )
+        paces[c] = end_step(c, mode, b, flat, movers, near.pushed, walls, fields, dt, advance, tallies[c])
+
+
 @threaded
+def sweep_shares(mode, plain, shapes, grouped, flat, movers, p, near, shifts, equal, coefficients, ntypes, walls, fields, dt, advance, tallies, paces):
+    """All threads do their shares."""
+    threads = near.share.shape[0] - 1
+    if PAIRS:
+        for t in prange(threads):
+            cross_share(t, plain, shapes, grouped, p, near, shifts, equal, coefficients, ntypes, dt, advance, tallies)
+    for t in prange(threads):
+        own_share(
+            t, mode, plain, shapes, grouped, flat, movers, p, near, shifts, equal, coefficients, ntypes, walls, fields, dt, advance, tallies, paces
+        )
+
+
+@compiled
 def sweep(mode, b, flat, movers, p, near, shifts, equal, coefficients, ntypes, walls, fields, dt, advance, tallies, paces):
     """Forces at the present positions and, by `mode`, the motion to the next. Returns the largest squared change of a velocity on the way."""
     chunks, everyone = tallies.shape[0], b.x.shape[0]
     if VIRIAL:
         tallies[:, 3] = 0.0
     if THREADED:
-        threads = near.share.shape[0] - 1
-        if PAIRS:
-            for t in prange(threads):
-                for c in range(near.cross_share[t + 1] - 1, near.cross_share[t] - 1, -1):
-                    contacts(
-                        c, near.chunks[c, CROSS_FIRST], near.chunks[c, CROSS_END], near.cross_share[t + 1] * CHUNK, b, p, near, shifts, equal, coefficients,
-                        ntypes, dt, advance, tallies[c], near.lanes[t], near.past[t], near.who[t],
-                    )
-        for t in prange(threads):
-            if PAIRS:
-                give_kept(near.share[t] * CHUNK, near.share[t + 1] * CHUNK, b, near)
-            for c in range(near.share[t], near.share[t + 1]):
-                if PAIRS:
-                    contacts(
-                        c, near.chunks[c, FIRST], near.chunks[c, END], everyone, b, p, near, shifts, equal, coefficients, ntypes, dt, advance, tallies[c],
-                        near.lanes[t], near.past[t], near.who[t],
-                    )
-                paces[c] = end_step(c, mode, b, flat, movers, near.pushed, walls, fields, dt, advance, tallies[c])
+        sweep_shares(
+            mode, plain_of(b), shapes_of(b), clumps_of(b), flat, movers, p, near, shifts, equal, coefficients, ntypes, walls, fields, dt, advance,
+            tallies, paces,
+        )
     else:
         for part in range(2):
             for k in range(chunks):

@@ -24,14 +24,14 @@ START_WATCH = (np.inf, 0.0, 0.0, 0)  # departure so far and allowed, sum of the 
 
 
 @compiled
-def near_chunk(c, b, movers, p, near, shifts, equal, span, leeway):
+def near_chunk(c, x, v, radius, movers, p, near, shifts, equal, span, leeway):
     """Near pairs of the rows of chunk c: those that straight flight for the time `span` brings within `leeway`, and those that touch."""
-    stop = min(b.x.shape[0], (c + 1) * CHUNK)
+    stop = min(x.shape[0], (c + 1) * CHUNK)
     begin = np.uint64(p.first[c * CHUNK])  # places are unsigned: of a signed one Numba asks whether it counts from the end
     found, touching = begin, np.uint64(0)
     for k in range(begin, np.uint64(p.first[stop])):
         i, j = np.uint64(p.row[k]), np.uint64(p.partner[k])
-        dx, dy, dz = b.x[i, 0] - b.x[j, 0], b.x[i, 1] - b.x[j, 1], b.x[i, 2] - b.x[j, 2]
+        dx, dy, dz = x[i, 0] - x[j, 0], x[i, 1] - x[j, 1], x[i, 2] - x[j, 2]
         if PERIODIC:
             s = np.int64(p.code[k])
             if s != HOME:
@@ -40,9 +40,9 @@ def near_chunk(c, b, movers, p, near, shifts, equal, span, leeway):
                     sign, s = 1.0, s - PARTNER_FEELS
                 dx, dy, dz = dx + sign * shifts[s, 0], dy + sign * shifts[s, 1], dz + sign * shifts[s, 2]
         one, other = np.float64(np.int64(i) < movers), np.float64(np.int64(j) < movers)
-        closing = dx * (other * b.v[j, 0] - one * b.v[i, 0]) + dy * (other * b.v[j, 1] - one * b.v[i, 1])
-        closing += dz * (other * b.v[j, 2] - one * b.v[i, 2])
-        close = CLOSE * (leeway + (equal[0] + equal[0] if UNIFORM else b.radius[i] + b.radius[j]))
+        closing = dx * (other * v[j, 0] - one * v[i, 0]) + dy * (other * v[j, 1] - one * v[i, 1])
+        closing += dz * (other * v[j, 2] - one * v[i, 2])
+        close = CLOSE * (leeway + (equal[0] + equal[0] if UNIFORM else radius[i] + radius[j]))
         square = dx * dx + dy * dy + dz * dz
         # without a square root: distance - closing speed * span < close, times the distance
         ahead = square - max(closing, 0.0) * span
@@ -75,17 +75,23 @@ def take(q, k, p, near):
 
 
 @shared_threaded
+def near_shares(x, v, radius, movers, p, near, shifts, equal, span, leeway):
+    """The near pairs of all rows, by all threads: Numba hands them no tuple within a tuple, as the bodies are."""
+    for t in prange(near.share.shape[0] - 1):
+        for c in range(near.share[t], near.share[t + 1]):
+            near_chunk(c, x, v, radius, movers, p, near, shifts, equal, span, leeway)
+
+
+@shared
 def list_near(b, movers, p, near, shifts, equal, span, leeway):
     """The near pairs of all rows, and which chunks each thread does: about as much work for each."""
     chunks = near.chunks.shape[0]
     if THREADED:
-        for t in prange(near.share.shape[0] - 1):
-            for c in range(near.share[t], near.share[t + 1]):
-                near_chunk(c, b, movers, p, near, shifts, equal, span, leeway)
+        near_shares(b.x, b.v, b.radius, movers, p, near, shifts, equal, span, leeway)
         share_out(near, b.x.shape[0])
     else:
         for c in range(chunks):
-            near_chunk(c, b, movers, p, near, shifts, equal, span, leeway)
+            near_chunk(c, b.x, b.v, b.radius, movers, p, near, shifts, equal, span, leeway)
 
 
 @compiled
