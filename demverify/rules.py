@@ -8,22 +8,34 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from demsolver.scene import ContactLaw, Cylinder, Rotation, Scene, Wall
+import numpy as np
+
+from demsolver.scene import ContactLaw, Cylinder, Particles, Rotation, Scene, Wall
 
 FRICTION = {"classic_history": "liggghts_history", "rotated_history": "liggghts_history"}
 """The spring both have, under its other rules. Springs that one of them alone has (mindlin_rescale ...) are another scene, not another rule."""
 
 
 def under_liggghts_rules(scene: Scene, other: Scene) -> Scene:
-    """`scene`, of a LAMMPS deck, with LIGGGHTS' levers, friction and wall rules; list rebuilds, which end histories there, as in `other`."""
+    """`scene`, of a LAMMPS deck, with LIGGGHTS' levers, friction and wall rules, and its members of clumps; list rebuilds, which end histories
+    there, as in `other`."""
     rebuilt = replace(other.neighbor, exclude=scene.neighbor.exclude, exclude_types=scene.neighbor.exclude_types)
     return replace(
         scene,
+        particles=_particles(scene.particles),
         pair=_law(scene.pair) if scene.pair else None,
         walls=tuple(_wall(wall) for wall in scene.walls),
         neighbor=rebuilt,
         history_outlives_contact=other.history_outlives_contact,
     )
+
+
+def _particles(p: Particles) -> Particles:
+    """Members of clumps carry the mass of the whole, and gravity pulls at the centre of that."""
+    if p.clumps is None:
+        return p
+    mass = np.where(p.clumps.body >= 0, p.clumps.mass[p.clumps.body], p.mass)
+    return replace(p, mass=mass, clumps=replace(p.clumps, members_weigh=False))
 
 
 def _law(law: ContactLaw) -> ContactLaw:

@@ -81,6 +81,9 @@ def conversion(plan: Plan, target: Dialect, data_name: str) -> Conversion:
     if plan.setup.atom_style == "superquadric":
         message = "cannot be converted: LAMMPS has no superquadrics like those of LIGGGHTS"
         raise InputError(message, Place(plan.deck))
+    if any(run.scene.particles.clumps is not None for run in plan.runs):
+        message = "this deck has clumps, which are not converted: the engines place them by other commands and files"
+        raise InputError(message, Place(plan.deck))
     return _Translator(plan, target, data_name).translate()
 
 

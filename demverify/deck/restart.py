@@ -52,7 +52,8 @@ class Restart:
 
 
 def restart_of(setup: Setup, memories: Memories | None) -> Restart:
-    """The state of a deck with what its contacts remember: copies. Raises InputError where there is no box yet."""
+    """The state of a deck with what its contacts remember: copies. Raises InputError where there is no box yet, and
+    for particles that are not kept."""
     if setup.box is None or setup.atoms is None:
         raise InputError("write_restart needs a simulation box: create_box or read_data must come first")
     if setup.atoms.clumps is not None:

@@ -134,10 +134,11 @@ class Run:
 
         setup, simulation, p = self.setup, self.simulation, self.meter.particles
         assert setup.atoms is not None
-        molecule = setup.atoms.molecule
+        molecule, mass = setup.atoms.molecule, setup.atoms.mass  # other rules may have given members of clumps another mass
         if len(p.id) < len(setup.atoms.id):
-            molecule = molecule[np.isin(setup.atoms.id, p.id)]
-        setup.atoms = Atoms(p.id, p.type, p.x, p.v, p.omega, p.radius, p.mass, p.mask, p.image, molecule, p.superquadrics, p.clumps)
+            stay = np.isin(setup.atoms.id, p.id)
+            molecule, mass = molecule[stay], mass[stay]
+        setup.atoms = Atoms(p.id, p.type, p.x, p.v, p.omega, p.radius, mass, p.mask, p.image, molecule, p.superquadrics, p.clumps)
         setup.box = simulation.box()
         setup.time += (simulation.step - setup.step) * setup.dt
         setup.step = simulation.step

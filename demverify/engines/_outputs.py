@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from contextlib import suppress
 from pathlib import Path, PurePosixPath
 
@@ -31,6 +32,7 @@ def check_outputs(setup: Setup) -> None:
     for compute in setup.computes.values():
         if compute.style == "reduce":
             _check_reduce(compute)
+            _check_density(setup, compute.args, f"compute {compute.id}", compute.place)
     taken = dict.fromkeys(OWN_FILES, "the run itself")
     for dump in setup.dumps.values():
         _check_dump(dump, setup, taken)
@@ -88,10 +90,18 @@ def _check_reduce(compute: Spec) -> None:
         raise InputError(message, compute.place)
 
 
+def _check_density(setup: Setup, columns: Sequence[str], what: str, place: Place) -> None:
+    clumps = setup.atoms.clumps if setup.atoms else None
+    if "density" in columns and clumps is not None and not clumps.members_weigh:
+        message = f"{what}: density of members of clumps: LIGGGHTS has that of the template, which is not kept here; mass is that of the whole"
+        raise InputError(message, place)
+
+
 def _check_dump(dump: DumpSpec, setup: Setup, taken: dict[str, str]) -> None:
     if dump.group not in setup.groups:
         message = f"dump {dump.id}: group {dump.group!r} was deleted; defined: {', '.join(setup.groups)}"
         raise InputError(message, dump.place)
+    _check_density(setup, dump.columns, f"dump {dump.id}", dump.place)
     path = str(PurePosixPath(dump.file))
     if path in taken:
         message = f"dump {dump.id} writes to {dump.file!r}, as does {taken[path]}"

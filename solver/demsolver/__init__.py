@@ -11,6 +11,7 @@ from demsolver.energy_budget import EnergyBudget
 from demsolver.scene import (
     AddForce,
     Box,
+    Clumps,
     ContactLaw,
     Cylinder,
     Enforce2D,
@@ -18,13 +19,16 @@ from demsolver.scene import (
     Freeze,
     Gravity,
     Neighbor,
+    NveClumps,
     NveSphere,
+    NveSuperquadric,
     Particles,
     Plane,
     Rotation,
     Scene,
     SetForce,
     Slab,
+    Superquadrics,
     Viscous,
     Wall,
 )  # fmt: skip
@@ -33,6 +37,7 @@ from demsolver.sleep import Sleep
 from demsolver.trouble import LostParticles, Unstable
 
 __all__ = [
-    "AddForce", "Box", "ContactLaw", "Cylinder", "EnergyBudget", "Enforce2D", "EulerSphere", "Freeze", "Gravity", "LostParticles", "Neighbor",
-    "NveSphere", "Particles", "Plane", "Rotation", "Scene", "SetForce", "Simulation", "Slab", "Sleep", "Unstable", "Viscous", "Wall",
+    "AddForce", "Box", "Clumps", "ContactLaw", "Cylinder", "EnergyBudget", "Enforce2D", "EulerSphere", "Freeze", "Gravity", "LostParticles",
+    "Neighbor", "NveClumps", "NveSphere", "NveSuperquadric", "Particles", "Plane", "Rotation", "Scene", "SetForce", "Simulation", "Slab", "Sleep",
+    "Superquadrics", "Unstable", "Viscous", "Wall",
 ]  # fmt: skip

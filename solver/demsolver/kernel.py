@@ -297,7 +297,7 @@ def run_steps(
 
     start: 0 at the begin of a step; 1 in mid-step, behind the renewal of the list; 2 set-up: forces only, histories stay.
     rhythm: (every, delay, check, squared half skin) as LAMMPS' neigh_modify. movers: how many particles move; they stand in the first rows, the first `free` of
-    them on their own, the others with their clumps. flat: see state.Flat. guard: see guard.Guard.numbers.
+    them on their own, the others with their clumps, if any are. flat: see state.Flat. guard: see guard.Guard.numbers.
     """
     every, delay, check, reach = rhythm
     n = b.x.shape[0]
@@ -309,7 +309,7 @@ def run_steps(
         if SHAPES:
             turn(NONE, free, TURN_FIRST, b, dt)
         drift(NONE, free, flat, dt)
-        if CLUMPS:
+        if CLUMPS and free < movers:
             move_clumps(False, False, True, b, clumps, dt)
     if steps > 0 or start == 2:
         clear(NONE, n, b)
@@ -341,7 +341,7 @@ def run_steps(
         mode = FORCES if start == 2 else (GO_ON if done + 1 < steps else FINISH)
         jump = sweep(mode, b, flat, free, p, near, shifts, equal, coefficients, ntypes, walls, fields, dt, start != 2, tallies, paces)
         if CLUMPS:
-            jump = max(jump, move_clumps(True, mode != FORCES, mode == GO_ON, b, clumps, dt))
+            jump = max(jump, move_clumps(True, free < movers and mode != FORCES, free < movers and mode == GO_ON, b, clumps, dt))
             if mode == GO_ON:
                 clear(free, n, b)
         if start == 2:

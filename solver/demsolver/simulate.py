@@ -20,7 +20,7 @@ from demsolver.memories import Memories
 from demsolver.near import START_LEEWAY, near_of
 from demsolver.neighbor_grid import bounds_of
 from demsolver.observe import ACCOUNT, LOST_POINTS, TALLIES, Observed
-from demsolver.scene import Plane, Scene
+from demsolver.scene import NveClumps, Plane, Scene
 from demsolver.sleep import Sleep, Sleepers, check_sleep
 from demsolver.specialise import CHUNK, GEOMETRY, compiling, features, specialise
 from demsolver.state import Bodies, Floats, Ints, Pairs, Rigid, arrays_of, bodies_of, flat_of, movers_first, of_each, placed, rigid_of
@@ -88,6 +88,7 @@ class Simulation(Observed):
         self._rigid: Rigid = rigid_of(scene)
         placed(self._rigid, self._bodies)
         self._movers = int(self._bodies.moving.sum())
+        self._carried = len(self._rigid.member) if any(isinstance(one, NveClumps) for one in scene.integrate) else 0
         self._sleepers = Sleepers(sleep, len(self.id)) if sleep else None
         self._unseen: dict[bool, neighbors.Unseen] = {}  # by whether two frozen particles see each other
         self._sort(movers_first(self._bodies, np.arange(len(self.id))))
@@ -223,7 +224,7 @@ class Simulation(Observed):
     def _run(self, start: int, steps: int) -> tuple[int, int]:
         use_threads(self._threads)
         done, self._age, why = self._kernel.run_steps(
-            start, steps, self._age, self._rhythm(), self._bodies, flat_of(self._bodies), self._movers - len(self._rigid.member) * self._has.CLUMPS,
+            start, steps, self._age, self._rhythm(), self._bodies, flat_of(self._bodies), self._movers - self._carried,
             self._movers, self._rigid if self._has.CLUMPS else (), self._pairs, self._near, self._shifts(),
             self._equal, self._coefficients, self.scene.ntypes, self._flat_walls(), self._fields, self.scene.timestep, self._tallies, self._paces,
             self._guard.numbers if self._guard else UNGUARDED,

@@ -302,12 +302,16 @@ def compiling() -> Iterator[None]:
             gc.enable()
 
 
+ARRAYS = ("demsolver.state", "demsolver.near")
+"""Where the types of the arrays are: what has been compiled for others of the same text cannot be read."""
+
+
 @cache
 def _load(text: str, modules: tuple[str, ...] = ()) -> ModuleType:
     """The module of this text, which binds functions of `modules`: its name says what went in."""
     import numba
 
-    laws = "".join(inspect.getsource(importlib.import_module(name)) for name in modules)
+    laws = "".join(inspect.getsource(importlib.import_module(name)) for name in (*ARRAYS, *modules))
     digest = hashlib.sha256(f"{text}\x00{laws}\x00{sys.version}\x00{numba.__version__}".encode()).hexdigest()[:16]
     name = f"demsolver_{digest}"
     path = cache_folder() / f"{name}.py"

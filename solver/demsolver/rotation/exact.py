@@ -15,10 +15,12 @@ of which the integral over a step is done by Gauss' rule with an error below rou
 from __future__ import annotations
 
 from math import cos, sin, sqrt
+from typing import cast
 
 import numpy as np
+from numba import njit
 
-from demsolver.algebra import Quat, Vector, compiled, normalised, product, pushed, spin_of, to_body
+from demsolver.algebra import Function, Quat, Vector, compiled, normalised, product, pushed, spin_of, to_body
 
 PART, SHORT, SHORTER = 0.25, 0.03, 3e-4
 """Longest part of a step, in u, for seven, four and two points: the nearest pole of dn is K(k') >= pi/2 off, so that n points leave an error of about
@@ -29,7 +31,12 @@ WEIGHTS = tuple(float(0.5 * weight) for _, weights in RULES for weight in weight
 TINY = 1e-150
 
 
-@compiled
+def with_arrays(function: Function) -> Function:
+    """`compiled` for what makes arrays: the loops that call it make none, and would hand that down."""
+    return cast(Function, njit(error_model="numpy", nogil=True, _nrt=True)(function))  # type: ignore[call-overload]
+
+
+@with_arrays
 def jacobi(u: float, complement: float) -> Vector:
     """sn, cn and dn of u by the arithmetic-geometric mean, Abramowitz & Stegun 16.4 in Bulirsch's form. complement: k'^2 = 1 - k^2, from 0 to 1."""
     if complement < TINY:
