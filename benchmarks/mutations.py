@@ -101,8 +101,7 @@ MUTATIONS: dict[str, Mutation] = {
         'if shape.rotation.at == "surface" else ""', 'if False else ""', ("cylinder-swing:turning",),
     ),
     "memory-lost": Mutation(
-        "a renewed neighbour list forgets the springs", "neighbor_rows.py", "to_memory[q, c] = memory[k, c]\n        elif c < base:",
-        "to_memory[q, c] = 0.0\n        elif c < base:", ("chute",), form=False,
+        "a renewed neighbour list forgets the springs", "neighbor_rows.py", "if turned else memory[k, c]", "if turned else 0.0", ("chute",), form=False,
     ),
 }  # fmt: skip
 QUICK = ("wall-torque-sign", "reduced-mass", "coulomb-limit")

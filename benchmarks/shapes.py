@@ -1,6 +1,6 @@
 """How fast superquadrics and clumps are: `python benchmarks/shapes.py [--rounds 5] [--json FILE] [--quick]`.
 
-dense   60 superquadrics settle in a box of five planes, 3,000 steps, as in inputs/superquadric/dense. A LIGGGHTS built with superquadrics needed
+dense   60 superquadrics settle in a box of five planes, 3,000 steps, tests/data/superquadric/decks/in.dense. A LIGGGHTS built with superquadrics needed
         0.089 ms a step on a machine on which LAMMPS' bench chute ran at 12.1 million particle-steps a second. Both figures are taken anew here, in
         turns, and the native step is held against what LIGGGHTS' step would be here, in proportion.
 box     1,000 superquadrics of six shapes that have settled in a box: time of a step, contacts counted, time for each that touches.
@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-DENSE = Path(__file__).parents[1] / "inputs/superquadric/dense/in.liggghts"
+DENSE = Path(__file__).parents[1] / "tests/data/superquadric/decks/in.dense"
 LIGGGHTS_MS, CHUTE_RATE = 0.089, 12.1e6
 KINDS = ((2.0, 2.0), (4.0, 4.0), (8.0, 2.0), (6.0, 3.0), (3.0, 2.0), (2.5, 3.5))
 LEAST_CLUMPS = 0.7

@@ -36,8 +36,8 @@ def test_fixes_that_average_are_left_out(run_deck: Run) -> None:
 
 def test_an_unknown_fix_is_named_before_the_missing_box(run_deck: Run) -> None:
     """Of a fix that stands before the box and is not supported, the style is the message: a box would not help."""
-    with pytest.raises(InputError, match="fix style 'rigid' is not one of"):
-        run_deck("atom_style sphere\nfix 1 all rigid molecule\n")
+    with pytest.raises(InputError, match="fix style 'langevin' is not one of"):
+        run_deck("atom_style sphere\nfix 1 all langevin 1 1 1 1\n")
 
 
 def test_a_packed_data_file_is_hinted_at(run_deck: Run, tmp_path: Path) -> None:

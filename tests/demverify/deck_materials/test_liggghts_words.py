@@ -193,7 +193,7 @@ WRONG_STYLES = {
     "model hertz tangential sticky": "tangential model 'sticky' is not one of off, no_history, history",
     "model hertz rolling_friction epsd3": r"rolling_friction epsd3 is not supported yet; supported: rolling_friction off \| cdt \| epsd \| epsd2$",
     "model hertz cohesion sjkr2": r"cohesion sjkr2 is not supported yet; supported: cohesion off \| sjkr$",
-    "model hertz surface superquadric": "surface superquadric is not supported yet; supported: surface default$",
+    "model hertz surface superquadric": "surface superquadric does not go with atom_style sphere",
     "model hertz rolling_friction cdt cohesion sjkr": "has cohesion too late; the order is model, tangential, cohesion, rolling_friction",
     "model hertz cohesion sjkr tangential history": "has tangential too late",
     "model hertz torsionTorque on rolling_friction cdt": "has torsionTorque without a rolling_friction model, whose switch it is",
