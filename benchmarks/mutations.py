@@ -101,7 +101,8 @@ MUTATIONS: dict[str, Mutation] = {
         'if shape.rotation.at == "surface" else ""', 'if False else ""', ("cylinder-swing:turning",),
     ),
     "memory-lost": Mutation(
-        "a renewed neighbour list forgets the springs", "neighbor_rows.py", "if turned else memory[k, c]", "if turned else 0.0", ("chute",), form=False,
+        "a renewed neighbour list forgets the springs", "neighbor_rows.py", "if turned else memory[k, c]", "if turned else 0.0",
+        ("chute",), form=False,
     ),
 }  # fmt: skip
 QUICK = ("wall-torque-sign", "reduced-mass", "coulomb-limit")

@@ -1,7 +1,7 @@
 """How fast superquadrics and clumps are: `python benchmarks/shapes.py [--rounds 5] [--json FILE] [--quick]`.
 
-dense   60 superquadrics settle in a box of five planes, 3,000 steps, tests/data/superquadric/decks/in.dense. A LIGGGHTS built with superquadrics needed
-        0.089 ms a step on a machine on which LAMMPS' bench chute ran at 12.1 million particle-steps a second. Both figures are taken anew here, in
+dense   60 superquadrics settle in a box of five planes, 3,000 steps, tests/data/superquadric/decks/in.dense. A LIGGGHTS built with superquadrics
+needed 0.089 ms a step on a machine on which LAMMPS' bench chute ran at 12.1 million particle-steps a second. Both figures are taken anew here, in
         turns, and the native step is held against what LIGGGHTS' step would be here, in proportion.
 box     1,000 superquadrics of six shapes that have settled in a box: time of a step, contacts counted, time for each that touches.
 clumps  1,000 clumps of four spheres, and 4,000 such spheres on their own, settled in the same box, by turns: rate of a member over that of a sphere.

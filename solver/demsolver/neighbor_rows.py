@@ -108,7 +108,7 @@ def _count(lanes):  # type: ignore[no-untyped-def]
 
 
 @njit(error_model="numpy", forceinline=True)
-def _sieved(i, j, excluded, classes, clump):  # type: ignore[no-untyped-def]
+def sieved(i, j, excluded, classes, clump):  # type: ignore[no-untyped-def]  # noqa: ANN201
     """Whether i and j do not see each other: by their classes, or as members of one clump."""
     return excluded[classes[i], classes[j]] or (len(clump) > 0 and clump[i] >= 0 and clump[i] == clump[j])
 
@@ -130,10 +130,10 @@ def _collect(t, _low, _high, before, n, owner, asking, asked, part, excluded, cl
                 near &= near - one
                 low, high = min(i, j), max(i, j)
                 if high >= n:
-                    if low < n and not (sieve and _sieved(low, owner[high - n], excluded, classes, clump)):
+                    if low < n and not (sieve and sieved(low, owner[high - n], excluded, classes, clump)):
                         faces -= one
                         pairs[faces] = _pair(low, high)
-                elif not (sieve and _sieved(low, high, excluded, classes, clump)):
+                elif not (sieve and sieved(low, high, excluded, classes, clump)):
                     pairs[home] = _pair(low, high)
                     count[low] += np.uint32(1)
                     home += one

@@ -1,7 +1,7 @@
 """Neighbour list: who can touch before the next list, and contact memory carried over.
 
 A pair is listed when the centres are nearer than both radii plus the skin, and the gap that a contact of the two largest particles can bridge.
-Cells are in neighbor_grid, the search is in neighbor_search, the rows of state.Pairs are in neighbor_rows.
+Cells are in neighbor_grid, the search is in neighbor_search, the rows of state.Pairs are in neighbor_rows; few particles need neither (neighbor_few).
 """
 
 from __future__ import annotations
@@ -10,8 +10,8 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from demsolver import neighbor_few, neighbor_rows, neighbor_search
 from demsolver import neighbor_grid as cells
-from demsolver import neighbor_rows, neighbor_search
 from demsolver.bind_law import longest_reach
 from demsolver.neighbor_rows import HOME, PARTNER_FEELS, Columns, Remembered, Unseen, columns_of, remembered
 from demsolver.scene import Scene
@@ -25,6 +25,8 @@ __all__ = [
 
 SHIFTS: Ints = np.array([[a, b, c] for a in (-1, 0, 1) for b in (-1, 0, 1) for c in (-1, 0, 1)])
 Wraps = NDArray[np.int8]
+FEW = 128
+"""So many particles are looked at pair by pair: 8,000 pairs take a tenth of the time that cells need to be made."""
 MORTON_BITS = 21  # of every axis, so that a code fits an int64
 
 
@@ -67,6 +69,8 @@ def build(scene: Scene, bodies: Bodies, lo: Floats, hi: Floats, columns: int, un
     largest = float(bodies.radius.max())
     skin = scene.neighbor.skin + (longest_reach(scene.pair, 0.5 * largest) if scene.pair else 0.0)
     _check_box(lo, hi, periodic, 2.0 * largest + skin)
+    if n <= FEW and not any(periodic):
+        return neighbor_few.few_rows(bodies.x, bodies.radius, skin, columns, unseen)
     images = cells.images_of(bodies.x, bodies.radius, skin, lo, hi, periodic)
     levels = cells.levels_of(bodies.x, images, bodies.radius, skin, threads)
     meetings = [found for level in levels for found in neighbor_search.meetings_of(level, skin, threads)]

@@ -12,7 +12,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from demsolver import Box, Freeze, Neighbor, Scene, neighbors
+from demsolver import Box, Freeze, Neighbor, Scene, neighbor_few, neighbors
 from demsolver.neighbors import HOME, PARTNER_FEELS, SHIFTS
 from demsolver.state import Bodies, Pairs, bodies_of
 from tests.support.scenes import law, spheres
@@ -28,6 +28,14 @@ def scene_of(x, radius, lo, hi, *, periodic=(False, False, False), skin=0.1, typ
     box = Box(np.array(lo, float), np.array(hi, float), tuple(NAMES[not axis] for axis in periodic))
     forces = () if frozen is None else (Freeze(frozen),)
     return Scene(box, p, 3, 1e-3, pair=law((3, 3)), forces=forces, neighbor=Neighbor(skin, **neighbor))
+
+
+@pytest.fixture(autouse=True, scope="module")
+def cells_for_all():
+    """Few particles are listed by cells too, but where a test says otherwise."""
+    few, neighbors.FEW = neighbors.FEW, 0
+    yield
+    neighbors.FEW = few
 
 
 def build(scene: Scene, columns: int = 0, *, frozen_pairs: bool = True, bodies: Bodies | None = None, threads: int = 1) -> Pairs:
@@ -455,3 +463,20 @@ def test_morton_order_of_anything(size: float, far: float) -> None:
     x[3] = far
     assert sorted(neighbors.morton_order(x, np.zeros(3), size)) == [0, 1, 2, 3, 4]
     assert len(neighbors.morton_order(x[:0], np.zeros(3), size)) == 0
+
+
+@settings(max_examples=50, deadline=None)
+@given(seed=SEEDS, n=st.integers(0, 40))
+def test_few_particles_have_the_list_of_many(seed: int, n: int) -> None:
+    """Law: looking at every pair gives the list that cells give, entry by entry, with groups and types that do not see each other."""
+    rng = np.random.default_rng(seed)
+    scene = scene_of(
+        rng.uniform(0, 3, (n, 3)), rng.uniform(0.1, 0.6, n), (0,) * 3, (3,) * 3, types=rng.integers(1, 4, n), bits=rng.integers(0, 2, n),
+        exclude=((0, 1),) if seed % 2 else (), exclude_types=((1, 2),),
+    )  # fmt: skip
+    by_cells = build(scene, 3)
+    bodies = bodies_of(scene, aside=False)
+    few = neighbor_few.few_rows(bodies.x, bodies.radius, scene.neighbor.skin, 3, neighbors.exclusions(scene, bodies.mask, bodies.kind))
+    assert np.array_equal(entries(few), entries(by_cells))
+    assert few.memory.shape == by_cells.memory.shape
+    assert not few.touching.any()
