@@ -83,7 +83,11 @@ def implicit(scene: Scene) -> bool:
 
 @dataclass(frozen=True)
 class Features:
-    """What a scene has, as the constants of the loop (see kernel.py); what is False, of the last two what is True, costs nothing."""
+    """What a scene has, as the constants of the loop (see kernel.py); what is False costs nothing; of FREE, UNIFORM and ONE_LAW what is True.
+
+    HOW: kind of contact point of superquadrics, kind and limit of curvature (kernel_shape.meet). BOOKS, GEOMETRY: columns of a contact's memory
+    (kernel_books.py). SCHEME, CLUMP_SCHEME: files of demsolver.rotation.
+    """
 
     PAIRS: bool
     FRICTION: bool
