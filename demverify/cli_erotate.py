@@ -7,9 +7,11 @@ import sys
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
+
+from demverify.cli_dumps import Bodies, BodyColumns, Columns, Deck, Density, Inertia, Templates, Timestep, Variables
 
 if TYPE_CHECKING:
     from demverify.analysis.energies import Row
@@ -21,15 +23,15 @@ if TYPE_CHECKING:
 
 def erotate(
     files: Annotated[list[str], typer.Argument(metavar="FILE...", help="Dumps of LAMMPS or LIGGGHTS, of any kind; patterns in quotes work too.")],
-    bodies: Annotated[list[str] | None, typer.Option(metavar="FILE...", help="Dumps of the bodies of clumps (dump local).")] = None,
-    template: Annotated[list[Path] | None, typer.Option(metavar="FILE", help="Template of a clump: rows x y z r; may be repeated.")] = None,
-    density: Annotated[float | None, typer.Option(help="Density of all particles, where the dump has no mass.")] = None,
-    deck: Annotated[Path | None, typer.Option(help="The deck of the run: says what columns are, densities, clumps, units, time step.")] = None,
-    var: Annotated[list[str] | None, typer.Option(metavar="NAME VALUE", help="A variable of the deck, as -var of LAMMPS.")] = None,
-    columns: Annotated[str | None, typer.Option(metavar='"ID TYPE ..."', help="Names of all columns of FILE, in order.")] = None,
-    body_columns: Annotated[str | None, typer.Option(metavar='"..."', help="Names of all columns of the --bodies files.")] = None,
-    timestep: Annotated[float | None, typer.Option(help="Time of one step, where neither dump nor deck says it.")] = None,
-    inertia: Annotated[Literal["union", "spheres"] | None, typer.Option(help="Of clumps: union of the spheres, or spheres as if apart.")] = None,
+    bodies: Bodies = None,
+    template: Templates = None,
+    density: Density = None,
+    deck: Deck = None,
+    var: Variables = None,
+    columns: Columns = None,
+    body_columns: BodyColumns = None,
+    timestep: Timestep = None,
+    inertia: Inertia = None,
     halfstep: Annotated[bool, typer.Option("--halfstep", help="Spins half a step later, as LIGGGHTS' keyword.")] = False,
     per_particle: Annotated[bool, typer.Option("--per-particle", help="Tables of every particle's energy, not of sums.")] = False,
     json: Annotated[Path | None, typer.Option(metavar="FILE", help="Also write the table as JSON: a list of objects.")] = None,

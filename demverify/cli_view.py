@@ -4,23 +4,25 @@ from __future__ import annotations
 
 import sys
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated
 
 import typer
+
+from demverify.cli_dumps import Bodies, BodyColumns, Columns, Deck, Density, Inertia, Templates, Timestep, Variables
 
 
 def view(
     files: Annotated[list[str], typer.Argument(metavar="FILE...", help="Dumps of LAMMPS or LIGGGHTS, trajectory.h5; patterns in quotes work too.")],
     output: Annotated[Path, typer.Option("-o", "--output", metavar="FILE.html", help="The page.")] = Path("view.html"),
-    bodies: Annotated[list[str] | None, typer.Option(metavar="FILE...", help="Dumps of the bodies of clumps (dump local).")] = None,
-    template: Annotated[list[Path] | None, typer.Option(metavar="FILE", help="Template of a clump: rows x y z r; may be repeated.")] = None,
-    density: Annotated[float | None, typer.Option(help="Density of all particles, where the dump has no mass.")] = None,
-    deck: Annotated[Path | None, typer.Option(help="The deck of the run: says what columns are, densities, clumps, units, time step.")] = None,
-    var: Annotated[list[str] | None, typer.Option(metavar="NAME VALUE", help="A variable of the deck, as -var of LAMMPS.")] = None,
-    columns: Annotated[str | None, typer.Option(metavar='"ID TYPE ..."', help="Names of all columns of FILE, in order.")] = None,
-    body_columns: Annotated[str | None, typer.Option(metavar='"..."', help="Names of all columns of the --bodies files.")] = None,
-    timestep: Annotated[float | None, typer.Option(help="Time of one step, where neither dump nor deck says it.")] = None,
-    inertia: Annotated[Literal["union", "spheres"] | None, typer.Option(help="Of clumps: union of the spheres, or spheres as if apart.")] = None,
+    bodies: Bodies = None,
+    template: Templates = None,
+    density: Density = None,
+    deck: Deck = None,
+    var: Variables = None,
+    columns: Columns = None,
+    body_columns: BodyColumns = None,
+    timestep: Timestep = None,
+    inertia: Inertia = None,
     every: Annotated[int, typer.Option(min=1, metavar="N", help="Take one of N frames.")] = 1,
     most_frames: Annotated[int | None, typer.Option(min=1, metavar="N", help="Frames at most; default: what a page of 30 MB holds.")] = None,
 ) -> None:

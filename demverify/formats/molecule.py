@@ -22,6 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from demverify.errors import InputError, Place
+from demverify.formats.text import whole_text
 from demverify.frames import Floats
 
 _COUNTS = ("atoms", "bonds", "angles", "dihedrals", "impropers", "fragments")
@@ -100,14 +101,7 @@ class _File:
 
     def __init__(self, path: Path) -> None:
         self.path = path
-        try:
-            text = path.read_text(encoding="utf-8")
-        except OSError as error:
-            message = f"cannot be read: {error.strerror}"
-            raise InputError(message, Place(path)) from None
-        except UnicodeDecodeError:
-            message = "expected a molecule file, which is text, got binary data"
-            raise InputError(message, Place(path)) from None
+        text = whole_text(path, "a molecule file, which is text")
         self.lines = [line.partition("#")[0].split() for line in text.splitlines()]
         self._comments = {number for number, line in enumerate(text.splitlines(), 1) if line.lstrip().startswith("#")}
         self.at = 1

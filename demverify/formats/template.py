@@ -14,6 +14,7 @@ import numpy as np
 
 from demsolver.shapes.multisphere import Template
 from demverify.errors import InputError, Place
+from demverify.formats.text import whole_text
 
 
 def read_template(path: Path, scale: float = 1.0, density: float | None = None, kind: int = 1) -> Template:
@@ -34,14 +35,7 @@ def read_template(path: Path, scale: float = 1.0, density: float | None = None, 
 
 def _lines(path: Path) -> Iterator[tuple[int, list[str]]]:
     """Number and words of every line that has some; of continued lines the number of the last."""
-    try:
-        text = path.read_text(encoding="utf-8")
-    except OSError as error:
-        message = f"cannot be read: {error.strerror}"
-        raise InputError(message, Place(path)) from None
-    except UnicodeDecodeError:
-        message = "expected a text file of spheres (x y z r), got binary data"
-        raise InputError(message, Place(path)) from None
+    text = whole_text(path, "a text file of spheres (x y z r)")
     words: list[str] = []
     for number, line in enumerate(text.splitlines(), 1):
         plain = line.partition("#")[0].rstrip()

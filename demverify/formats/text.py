@@ -19,6 +19,18 @@ _ROOM = 1 << 20  # bytes held at a time: stays in the processor's cache while it
 _ODD_WORDS = 1024
 
 
+def whole_text(path: Path, expected: str) -> str:
+    """All of a small text file. Raises InputError where it cannot be read, or is not text: `expected` says what it should be."""
+    try:
+        return path.read_text(encoding="utf-8")
+    except OSError as error:
+        message = f"cannot be read: {error.strerror}"
+        raise InputError(message, Place(path)) from None
+    except UnicodeDecodeError:
+        message = f"expected {expected}, got binary data"
+        raise InputError(message, Place(path)) from None
+
+
 class Text:
     """The lines of an open file with their numbers; a megabyte is held at a time."""
 
