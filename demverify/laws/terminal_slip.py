@@ -35,6 +35,8 @@ def terminal_slip(density: float, diameter: float, gravity: float, gas_density: 
     """Velocity of the gas against the sphere at which nothing changes any more; below zero for one that rises."""
     stokes = gravity * (density - gas_density) * diameter**2 / (18.0 * viscosity)
     reynolds = gas_density * diameter / viscosity
+    if stokes == 0.0:
+        return 0.0  # as dense as the gas: it stays
 
     def missing(s: float) -> float:
         return float(s * (1.0 + FACTOR * (reynolds * s) ** EXPONENT) - abs(stokes))

@@ -41,8 +41,10 @@ def body(x: Floats, quat: Floats, shape: Floats, blockiness: Floats) -> Body:
     return Body(place, q, axes, n1, n2, 2.0 ** (2.0 - max(n1, n2)))  # type: ignore[arg-type]
 
 
+@np.errstate(over="ignore", invalid="ignore")
 def bounding_radius(shape: Floats, blockiness: Floats) -> Floats:
-    """shape (n, 3), blockiness (n, 2) -> (n,) radius of a sphere that holds the body, LIGGGHTS' own: never less than BOUND times the smallest."""
+    """shape (n, 3), blockiness (n, 2) -> (n,) radius of a sphere that holds the body, LIGGGHTS' own: never less than BOUND times the smallest.
+    Exponents too large for the formula give no finite number."""
     n1, n2 = superquadric.checked(shape, blockiness)
     big, small, c = shape[:, :2].max(axis=1), shape[:, :2].min(axis=1), shape[:, 2]
     most, across = np.maximum(n1, 2.1), np.maximum(n2, 2.1)

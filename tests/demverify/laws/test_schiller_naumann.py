@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from demverify import laws
@@ -39,6 +39,7 @@ def test_the_numbers_of_mfix():
 
 
 @given(st.floats(2e-5, 1.4e-3), st.floats(100.0, 8000.0), st.floats(1e-6, 1e-2))
+@example(1e-3, 900.0, 1e-3)
 def test_at_the_terminal_slip_nothing_changes(d: float, density: float, mu: float):
     """Law: drag and buoyancy carry the weight there, for heavy and light spheres."""
     slip = terminal_slip.terminal_slip(density, d, G, 900.0, mu)
