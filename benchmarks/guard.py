@@ -63,15 +63,15 @@ def cost_of(name: str, scene: Scene, turns: int, seconds: float) -> Cost:
     """Measures one scene. seconds: of a stretch."""
     from demsolver.guard import Guard
 
-    plain, twin, guarded = (_ready(scene, guard=guard) for guard in (False, False, True))
+    plain, twin, guarded = (ready(scene, guard=guard) for guard in (False, False, True))
     every = Guard(scene, stops=True, tell=print).every
     for one in (plain, twin, guarded):  # until the guard looks as seldom as it ever will
         one.advance(2 * every)
-    pace = max(_seconds(one, every) for one in (plain, twin, guarded)) / every
+    pace = max(seconds_of(one, every) for one in (plain, twin, guarded)) / every
     steps = max(LOOKS * every, int(seconds / pace))
     ratios: dict[bool, list[float]] = {True: [], False: []}
     for _ in range(turns):
-        first, second, third, fourth, fifth, sixth = (_seconds(one, steps) for one in (plain, guarded, twin, twin, guarded, plain))
+        first, second, third, fourth, fifth, sixth = (seconds_of(one, steps) for one in (plain, guarded, twin, twin, guarded, plain))
         ratios[True].append((second + fifth) / (first + sixth))
         ratios[False].append((third + fourth) / (first + sixth))
     a, b = plain.bodies, guarded.bodies
@@ -79,7 +79,8 @@ def cost_of(name: str, scene: Scene, turns: int, seconds: float) -> Cost:
     return Cost(name, len(scene.particles.id), steps, tuple(ratios[True]), tuple(ratios[False]), same)
 
 
-def _ready(scene: Scene, *, guard: bool) -> Simulation:
+def ready(scene: Scene, *, guard: bool = True) -> Simulation:
+    """Set up, its loop compiled for this much."""
     from demsolver import Simulation
 
     simulation = Simulation(scene, on_instability="stop" if guard else "off")
@@ -87,7 +88,8 @@ def _ready(scene: Scene, *, guard: bool) -> Simulation:
     return simulation
 
 
-def _seconds(simulation: Simulation, steps: int) -> float:
+def seconds_of(simulation: Simulation, steps: int) -> float:
+    """Wall time of so many steps."""
     began = time.perf_counter()
     simulation.advance(steps)
     return time.perf_counter() - began

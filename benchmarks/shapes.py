@@ -15,7 +15,6 @@ from __future__ import annotations
 import argparse
 import json
 import sys
-import time
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -25,6 +24,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from benchmarks.guard import ready, seconds_of
 from benchmarks.speed_run import Contender, measure
 from benchmarks.speed_scenes import chute as chute_scene
 
@@ -55,10 +55,10 @@ def dense(steps: int) -> float:
     from demverify.runs import plan
 
     scene = plan(DENSE, {}).runs[0].scene
-    _ready(scene).advance(2)
+    ready(scene).advance(2)
     simulation = Simulation(scene)
     simulation.setup()
-    return 1e3 * _seconds(simulation, steps) / steps
+    return 1e3 * seconds_of(simulation, steps) / steps
 
 
 def box(count: int, seed: int = 1) -> Scene:
@@ -136,23 +136,9 @@ def _in_box(particles: object, edge: Floats, dt: float, skin: float, integrate: 
     return Scene(whole, particles, 1, dt, law, walls, (Gravity((0.0, 0.0, -GRAVITY)),), integrate, Neighbor(skin))  # type: ignore[arg-type]
 
 
-def _ready(scene: Scene) -> Simulation:
-    from demsolver import Simulation
-
-    simulation = Simulation(scene)
-    simulation.setup()
-    return simulation
-
-
-def _seconds(simulation: Simulation, steps: int) -> float:
-    began = time.perf_counter()
-    simulation.advance(steps)
-    return time.perf_counter() - began
-
-
 def settled(scene: Scene, falls: float) -> Simulation:
     """After so many times the fall through the box."""
-    simulation = _ready(scene)
+    simulation = ready(scene)
     height = float(np.asarray(scene.box.hi)[2] - np.asarray(scene.box.lo)[2])
     simulation.advance(int(falls * np.sqrt(2.0 * height / GRAVITY) / scene.timestep))
     return simulation
@@ -192,9 +178,9 @@ def _dense(rounds: int) -> dict[str, float]:
 def _box(count: int, falls: float, rounds: int) -> dict[str, float]:
     steps = 200
     plain = settled(box(count), falls)
-    gauge = _ready(replace(box(count), particles=plain.particles(), contact_point="gauge"))
+    gauge = ready(replace(box(count), particles=plain.particles(), contact_point="gauge"))
     gauge.advance(steps)
-    turns = [(_seconds(plain, steps), _seconds(gauge, steps)) for _ in range(rounds)]
+    turns = [(seconds_of(plain, steps), seconds_of(gauge, steps)) for _ in range(rounds)]
     ms, ratio = 1e3 * median(a for a, _ in turns) / steps, median(b / a for a, b in turns)
     pairs, walls = touching(plain)
     each = 1e3 * ms / (pairs + walls)
@@ -206,7 +192,7 @@ def _box(count: int, falls: float, rounds: int) -> dict[str, float]:
 def _clumps(count: int, falls: float, rounds: int) -> dict[str, float]:
     steps = 200
     clumps, free = (settled(spheres(count, clumped=clumped), falls) for clumped in (True, False))
-    turns = [(_seconds(clumps, steps), _seconds(free, steps)) for _ in range(rounds)]
+    turns = [(seconds_of(clumps, steps), seconds_of(free, steps)) for _ in range(rounds)]
     ratio = median(b / a for a, b in turns)
     (a, wa), (b, wb) = touching(clumps), touching(free)
     print(

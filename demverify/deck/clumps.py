@@ -11,7 +11,7 @@ from demsolver.scene import Box, Clumps
 from demsolver.shapes.principal import first_quaternion, principal
 from demsolver.shapes.rotation import matrix
 from demsolver.shapes.union import steiner
-from demverify.deck.particles import joined, new_atoms, no_atoms
+from demverify.deck.particles import joined, new_atoms, next_ids, next_molecule, no_atoms, unfolded
 from demverify.deck.setup import Atoms, Floats, Ints, Setup
 
 
@@ -34,10 +34,9 @@ def place(setup: Setup, kind: Kind, x: Floats, quat: Floats, v: Floats, omega: F
     moments, axes = principal(kind.inertia, ascending=False)
     offset, turned = kind.centre @ axes, matrix(quat[None])[0] @ axes
     k = len(kind.radius)
-    ids = (atoms.id.max() if atoms.n else 0) + np.arange(1, k + 1)
     arms = offset @ turned.T
-    new = new_atoms(ids, np.full(k, kind.type), x + arms, kind.radius.copy(), np.full(k, kind.mass))
-    number = int(max(atoms.molecule.max(initial=0), 0)) + 1
+    new = new_atoms(next_ids(atoms, k), np.full(k, kind.type), x + arms, kind.radius.copy(), np.full(k, kind.mass))
+    number = next_molecule(atoms)
     new.v[:], new.omega[:] = v + np.cross(omega, arms), omega
     new.molecule[:], new.mask[:] = number, mask
     angmom = turned @ (moments * (turned.T @ omega))
@@ -57,13 +56,13 @@ def gathered(atoms: Atoms, box: Box, member: Ints, molecule: Ints) -> Clumps:
     body, offset = np.full(atoms.n, -1), np.zeros((atoms.n, 3))
     rows: dict[str, Any] = {name: [] for name in ("x", "v", "quat", "angmom", "omega", "mass", "inertia")}
     mask = []
-    whole = atoms.x + atoms.image * (np.asarray(box.hi) - np.asarray(box.lo))
     for m, number in enumerate(numbers):
         own = member[molecule == number]
         mass, radius, v, omega = atoms.mass[own], atoms.radius[own], atoms.v[own], atoms.omega[own]
-        total, middle, tensor = steiner(mass, whole[own], radius)
+        whole = unfolded(atoms, own, box)
+        total, middle, tensor = steiner(mass, whole, radius)
         moments, axes = principal(tensor, ascending=True)
-        arms = whole[own] - middle
+        arms = whole - middle
         angmom = (mass[:, None] * np.cross(arms, v)).sum(axis=0) + ((0.4 * mass * radius**2)[:, None] * omega).sum(axis=0)
         found = middle, mass @ v / total, first_quaternion(axes), angmom, axes @ ((axes.T @ angmom) / moments), total, moments
         for name, value in zip(rows, found, strict=True):

@@ -68,16 +68,26 @@ def no_clumps(n: int) -> Clumps:
 
 def selected(atoms: Atoms, rows: Ints) -> Atoms:
     """A copy of some rows, in the order of `rows`; all clumps stay."""
-    kept = replace(atoms.clumps, body=atoms.clumps.body[rows], offset=atoms.clumps.offset[rows]) if atoms.clumps else None
+    kept = atoms.clumps.rows(rows) if atoms.clumps else None
     shapes = atoms.superquadrics.rows(rows) if atoms.superquadrics else None
     return Atoms(**{name: getattr(atoms, name)[rows] for name in ARRAYS}, superquadrics=shapes, clumps=kept)
+
+
+def next_ids(atoms: Atoms, n: int) -> Ints:
+    """(n,) ids that go on after the largest."""
+    return np.asarray((atoms.id.max() if atoms.n else 0) + np.arange(1, n + 1))
+
+
+def next_molecule(atoms: Atoms) -> int:
+    """The number that goes on after the largest, from 1."""
+    return int(max(atoms.molecule.max(initial=0), 0)) + 1
 
 
 def add_particles(setup: Setup, types: Ints, x: Floats) -> None:
     """Appends particles of diameter 1 and density 1, as create_atoms does; ids go on after the largest."""
     atoms = setup.atoms or no_atoms()
     n = len(types)
-    ids = (atoms.id.max() if atoms.n else 0) + np.arange(1, n + 1)
+    ids = next_ids(atoms, n)
     radius = np.full(n, 0.5)
     new = new_atoms(ids, types, x, radius, density_mass(setup, radius, np.ones(n)))
     if setup.atom_style == "superquadric":

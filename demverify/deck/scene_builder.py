@@ -96,8 +96,8 @@ def _integrators(setup: Setup) -> tuple[Integrator, ...]:
 def _integrate(setup: Setup, spec: Spec) -> Integrator:
     found, atoms = INTEGRATORS[spec.style](setup, spec), setup.atoms
     assert atoms is not None
-    points = selected(atoms.mask, found.bit) & (atoms.radius == 0.0) if isinstance(found, NveSphere | EulerSphere) else np.zeros(1, dtype=bool)
-    if points.any():
+    points = selected(atoms.mask, found.bit) & (atoms.radius == 0.0)
+    if isinstance(found, NveSphere | EulerSphere) and points.any():
         message = f"fix {spec.id} {spec.style}: particle {atoms.id[points][0]} has radius 0; a point cannot turn"
         raise InputError(message, spec.place)
     return found

@@ -8,6 +8,7 @@ from demsolver import rotation
 from demsolver.bind_law import goes_beyond, is_implicit, is_step_law
 from demsolver.scene import Clumps, Cylinder, Enforce2D, EulerSphere, NveClumps, NveSphere, NveSuperquadric, Particles, Scene, Superquadrics
 from demsolver.shapes import superquadric
+from demsolver.specialise import laws_of
 from demsolver.state import Floats, selected
 
 _SHAPES = {"axes": 3, "blockiness": 2, "quat": 4, "inertia": 3, "angmom": 3}
@@ -42,7 +43,7 @@ def _check_superquadrics(scene: Scene, p: Particles, shapes: Superquadrics) -> N
     if cylinder := next((wall.name for wall in scene.walls if isinstance(wall.shape, Cylinder)), None):
         message = f"wall {cylinder} is a cylinder, whose contact with superquadrics is not known here: use planes"
         raise ValueError(message)
-    for law in [*([scene.pair] if scene.pair else []), *(wall.law for wall in scene.walls)]:
+    for law in laws_of(scene):
         if law.cohesion != "none":
             message = f"cohesion {law.cohesion} is known for spheres only, not with superquadrics"
             raise ValueError(message)
@@ -87,9 +88,8 @@ def _check_turning(what: str, ids: np.ndarray, quat: Floats, inertia: Floats) ->
 
 def _check_company(scene: Scene) -> None:
     """What needs spheres that move each on its own."""
-    laws = [*([scene.pair] if scene.pair else []), *(wall.law for wall in scene.walls)]
     message = ""
-    for law in laws:
+    for law in laws_of(scene):
         if goes_beyond(law) or is_step_law(law) or is_implicit(law):
             message = f"normal law {law.normal} is known for spheres on their own only, not with superquadrics or clumps"
     if any(isinstance(integrator, EulerSphere) for integrator in scene.integrate):

@@ -234,7 +234,9 @@ class Observed:
         """The same of each clump."""
         c, was = self._rigid, self.scene.particles.clumps
         heights = np.zeros(len(c.mass))
-        for field in self.scene.forces if was is not None else ():
-            if isinstance(field, Gravity) and was is not None:
+        if was is None:
+            return heights
+        for field in self.scene.forces:
+            if isinstance(field, Gravity):
                 heights -= np.where(selected(was.mask, field.bit), c.mass * (c.x @ np.array(field.acceleration)), 0.0)
         return heights

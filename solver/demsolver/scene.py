@@ -82,6 +82,10 @@ class Clumps:
     mask: Ints
     members_weigh: bool = True
 
+    def rows(self, chosen: Rows) -> Clumps:
+        """The same clumps with copies of some rows of the particles, in their order."""
+        return replace(self, body=self.body[chosen], offset=self.offset[chosen])
+
 
 @dataclass(frozen=True)
 class Particles:
@@ -109,7 +113,7 @@ class Particles:
         """Copies of some rows, in their order; all clumps stay."""
         own = {field.name: getattr(self, field.name)[chosen] for field in fields(self) if field.name not in ("superquadrics", "clumps")}
         shapes = self.superquadrics.rows(chosen) if self.superquadrics else None
-        clumps = replace(self.clumps, body=self.clumps.body[chosen], offset=self.clumps.offset[chosen]) if self.clumps else None
+        clumps = self.clumps.rows(chosen) if self.clumps else None
         return Particles(**own, superquadrics=shapes, clumps=clumps)
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from demsolver.shapes.rotation import matrix
 from demverify.deck.command import Command, command
 from demverify.deck.interpreter import Interpreter
-from demverify.deck.particles import joined, new_atoms, no_atoms
+from demverify.deck.particles import joined, new_atoms, next_ids, next_molecule, no_atoms
 from demverify.deck.regions import region_scale
 from demverify.formats.molecule import read_molecule
 
@@ -56,7 +56,7 @@ def create_molecule(deck: Interpreter, cmd: Command, offset: int, style: str) ->
     types = found.type + offset
     if types.max() > setup.ntypes:
         raise cmd.error(f"molecule {name} has type {types.max()}, and there are {setup.ntypes}")
-    ids = (atoms.id.max() if atoms.n else 0) + np.arange(1, len(types) + 1)
+    ids = next_ids(atoms, len(types))
     new = new_atoms(ids, types, x + (found.centre - found.centre.mean(axis=0)) @ turned.T, found.radius.copy(), found.mass.copy())
-    new.molecule[:] = int(max(atoms.molecule.max(initial=0), 0)) + 1
+    new.molecule[:] = next_molecule(atoms)
     setup.atoms = joined(atoms, new)
