@@ -6,7 +6,7 @@ source = "DOI, or document and equation" where parameters and closed form come f
 accept = ["entry-id", ...]               known differences between the engines (register) that every variant lives with; one that explains none fails
 without = { liggghts = "why" }           an engine that this case cannot have; a deck in its dialect is for native alone
 every = N                                steps between the frames that are compared; by default some 200 frames
-[[variant]]  name = "e0.8"  variables = { e = 0.8 }        the decks with these variables; title, accept: its own
+[[variant]]  name = "e0.8"  variables = { e = 0.8 }        the decks with these variables; title, accept, without: its own
 [[law]]  name = "slip_cessation"  tolerance = 1e-3  reason = "why this tolerance"  parameters = { restitution = "${e}" }
          only = ["e0.8", ...]                              the variants it holds for, all by default
          deviates = { liggghts = "entry-id" }              runs of this dialect (engine) must miss it, for what the register says
@@ -33,7 +33,7 @@ _KEYS = {
     "title": _TEXT, "what": _TEXT, "scenario": _TEXT, "source": _TEXT, "accept": _LIST, "without": _TABLE,
     "every": ("a whole number", int), "variant": ("[[variant]] tables", list), "law": ("[[law]] tables", list),
 }  # fmt: skip
-_VARIANT_KEYS = {"name": _TEXT, "variables": _TABLE, "title": _TEXT, "accept": _LIST}
+_VARIANT_KEYS = {"name": _TEXT, "variables": _TABLE, "title": _TEXT, "accept": _LIST, "without": _TABLE}
 _LAW_KEYS = {"name": _TEXT, "tolerance": ("a number", int | float), "reason": _TEXT, "parameters": _TABLE, "only": _LIST, "deviates": _TABLE}
 _REFERENCE = re.compile(r"\$\{(\w+)\}")
 _NAME = re.compile(r"[\w.+-]+")
@@ -140,7 +140,7 @@ def _case(
         scenario=table.get("scenario", ""),
         source=table.get("source", ""),
         variables={key: [f"{value}"] for key, value in values.items()},
-        without=_engines(table.get("without", {}), "without", file),
+        without=_engines(table, "without", file) | _engines(variant, "without", file),
     )
 
 
@@ -186,7 +186,7 @@ def _law(entry: Any, variant: str, names: Sequence[str], values: Mapping[str, An
     if only and variant not in only:
         return None
     parameters = {key: _value(value, values, key, file) for key, value in entry.get("parameters", {}).items()}
-    law = Law(entry["name"], float(entry["tolerance"]), entry["reason"], parameters, _engines(entry.get("deviates", {}), "deviates", file))
+    law = Law(entry["name"], float(entry["tolerance"]), entry["reason"], parameters, _engines(entry, "deviates", file))
     if not (isfinite(law.tolerance) and law.tolerance > 0):
         message = f"the tolerance of law {law.name} must be a number above zero, got {law.tolerance:g}"
         raise InputError(message, Place(file))
@@ -214,12 +214,13 @@ def _texts(table: Mapping[str, Any], key: str, file: Path) -> tuple[str, ...]:
 
 
 def _engines(table: Mapping[str, Any], key: str, file: Path) -> dict[str, str]:
-    """A table engine -> text."""
-    for engine, text in table.items():
+    """What a table has under `key`: engine -> text."""
+    found = table.get(key, {})
+    for engine, text in found.items():
         if engine not in DECKS or not isinstance(text, str):
             message = f"{key}: expected {' or '.join(DECKS)} = a text, got {engine} = {text!r}"
             raise InputError(message, Place(file))
-    return dict(table)
+    return dict(found)
 
 
 def _known(table: Any, kinds: Mapping[str, tuple[str, Any]], what: str, file: Path) -> None:

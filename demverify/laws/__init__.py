@@ -74,7 +74,8 @@ def measure(name: str, frames: Sequence[Frame], parameters: Mapping[str, Any], p
     check(name, parameters, place)
     law = import_module(f"{__name__}.{name}").measure
     try:
-        found: list[Measured] = law(frames, **parameters)
+        with np.errstate(invalid="ignore", over="ignore"):  # where a run has NaN or Inf, so has what is measured, and that is no agreement
+            found: list[Measured] = law(frames, **parameters)
     except (LookupError, ArithmeticError) as error:
         message = f"law {name} does not fit this case: {type(error).__name__}: {error}"
         raise InputError(message, place) from None

@@ -20,7 +20,7 @@ from typing import cast
 import numpy as np
 from numba import njit
 
-from demsolver.algebra import Function, Quat, Vector, compiled, normalised, product, pushed, spin_of, to_body
+from demsolver.algebra import Function, Quat, Vector, compiled, product, pushed, spin_of, to_body
 
 PART, SHORT, SHORTER = 0.25, 0.03, 3e-4
 """Longest part of a step, in u, for seven, four and two points: the nearest pole of dn is K(k') >= pi/2 off, so that n points leave an error of about
@@ -79,8 +79,19 @@ def turned(q: Quat, angmom: Vector, inertia: Vector, h: float) -> Quat:
     size = sqrt(m[0] * m[0] + m[1] * m[1] + m[2] * m[2])
     if size < TINY:
         return q
-    d = _rotation(m, size, inertia, h)
-    return normalised(product(q, d))
+    return _onward(q, _rotation(m, size, inertia, h))
+
+
+@compiled
+def _onward(q: Quat, d: Quat) -> Quat:
+    """q o d/|d| of length 1, as a sum of q and what it gains: one rounding, that of the result, where a product has several. d may be of any length;
+    of the two with this rotation it takes the one that is nearer to q."""
+    length = sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2] + d[3] * d[3])
+    part = 1.0 / length if d[0] >= 0.0 else -1.0 / length
+    x, y, z = part * d[1], part * d[2], part * d[3]
+    too_long = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3] - 1.0
+    gained = product(q, (-(x * x + y * y + z * z) / (1.0 + part * d[0]) - 0.5 * too_long, x, y, z))
+    return q[0] + gained[0], q[1] + gained[1], q[2] + gained[2], q[3] + gained[3]
 
 
 @compiled
@@ -125,38 +136,53 @@ def _ordered(x: float, y: float, z: float, size: float, one: float, two: float, 
     complement = (three - one) * (z * z * (three - two) / three - x * x * (two - one) / one) / ((three - two) * c_square * (three - one) / three)
     complement = min(max(complement, 0.0), 1.0)
     twice_energy = x * x / one + y * y / two + z * z / three
-    sn0, cn0, dn0 = (y / b, x / a, z / c) if a > 0.0 else (0.0, 1.0, 1.0)
+    sn, cn, dn = (y / b, x / a, z / c) if a > 0.0 else (0.0, 1.0, 1.0)
     parts = int(abs(rate * h) / PART) + 1
     way = rate * h / parts
     begin, end = (0, 7) if abs(way) > SHORT else ((7, 11) if abs(way) > SHORTER else (11, 13))
-    angle = 0.0
-    sn1, cn1, dn1 = sn0, cn0, dn0
+    angle = sn_more = cn_more = dn_more = 0.0
     for _ in range(parts):
+        reached = sn + sn_more, cn + cn_more, dn + dn_more
         for k in range(begin, end):
-            height = sign * c * _summed(sn1, cn1, dn1, jacobi(way * NODES[k], complement), complement)[2]
+            height = abs(c) * (reached[2] + _further(reached, jacobi(way * NODES[k], complement), complement)[2])
             angle += WEIGHTS[k] * (twice_energy + size * height / three) / (size + height)
-        sn1, cn1, dn1 = _summed(sn1, cn1, dn1, jacobi(way, complement), complement)
-    part = 1.0 / sqrt(sn1 * sn1 + cn1 * cn1)
-    sn1, cn1 = part * sn1, part * cn1
-    dn1 = sqrt(cn1 * cn1 + complement * sn1 * sn1)
-    angle *= 0.5 * h / parts
-    before, after = _upright(x, y, z, size, sign), _upright(a * cn1, b * sn1, c * dn1, size, sign)
-    return product((before[0], -before[1], -before[2], -before[3]), product((cos(angle), 0.0, 0.0, sign * sin(angle)), after))
+        more = _further(reached, jacobi(way, complement), complement)
+        sn_more, cn_more, dn_more = sn_more + more[0], cn_more + more[1], dn_more + more[2]
+    return _between((x, y, z), (a * cn_more, b * sn_more, c * dn_more), size, sign, 0.5 * h / parts * angle)
 
 
 @compiled
-def _summed(sn: float, cn: float, dn: float, other: Vector, complement: float) -> Vector:
-    """The addition theorem (Abramowitz & Stegun 16.17)."""
+def _further(here: Vector, other: Vector, complement: float) -> Vector:
+    """What sn, cn and dn gain where another argument is added to theirs, from the addition theorem (Abramowitz & Stegun 16.17)."""
+    sn, cn, dn = here
     s, c, d = other
     square = 1.0 - complement
-    below = 1.0 / (1.0 - square * sn * sn * s * s)
-    return (sn * c * d + s * cn * dn) * below, (cn * c - sn * dn * s * d) * below, (dn * d - square * sn * cn * s * c) * below
+    crossed = square * sn * sn * s * s
+    c_lost, d_lost = s * s / (1.0 + c), square * s * s / (1.0 + d)
+    below = 1.0 / (1.0 - crossed)
+    return (
+        (s * cn * dn + sn * (crossed - c_lost * d - d_lost)) * below,
+        (cn * (crossed - c_lost) - sn * dn * s * d) * below,
+        (dn * (crossed - d_lost) - square * sn * cn * s * c) * below,
+    )
 
 
 @compiled
-def _upright(x: float, y: float, z: float, size: float, sign: float) -> Quat:
-    """The smallest rotation that takes m to the third axis, or to its other end if sign is -1."""
-    return normalised((size + sign * z, sign * y, -sign * x, 0.0))
+def _between(m: Vector, more: Vector, size: float, sign: float, angle: float) -> Quat:
+    """Upright by the smallest rotation from m to the third axis (its other end if sign is -1), down to m + more, and about that by twice the angle.
+    Of any length.
+
+    The vector part is as small as the step, and so is its rounding. As a product of rotations it would be rounded as they are, in a slow motion
+    always the same way: a drift of the energy. So would be the rounding of `size` were it to turn about the third axis."""
+    x, y, z = m
+    before, after = size + sign * z, size + sign * (z + more[2])
+    part = 1.0 / (before * after)
+    tilt = (
+        1.0 + part * (x * (x + more[0]) + y * (y + more[1])),
+        part * (sign * before * more[1] - y * more[2]), part * (x * more[2] - sign * before * more[0]), part * (y * more[0] - x * more[1]),
+    )  # fmt: skip
+    sine = sin(angle) / size
+    return product(tilt, (cos(angle), sine * (x + more[0]), sine * (y + more[1]), sine * (z + more[2])))
 
 
 @compiled

@@ -37,6 +37,15 @@ def test_a_law_can_be_for_some_variants_only(tmp_path: Path) -> None:
     assert [len(one.laws) for one in found] == [0, 1]
 
 
+def test_an_engine_can_be_left_out_of_one_variant(tmp_path: Path) -> None:
+    """Law: what a variant says of engines it cannot have comes on top of what the case says."""
+    text = 'without = {{ {} = "never" }}\n' + VARIANTS.replace("{", "{{").replace("}", "}}") + 'without = {{ lammps = "not here" }}\n'
+    assert [one.without for one in load_cases(case(tmp_path / "pair", text.format("liggghts")))] == [
+        {"liggghts": "never"}, {"liggghts": "never", "lammps": "not here"},
+    ]  # fmt: skip
+    assert [one.without for one in load_cases(case(tmp_path / "pair", text.format("lammps")))] == [{"lammps": "never"}, {"lammps": "not here"}]
+
+
 def test_a_folder_without_variants_is_one_case(tmp_path: Path) -> None:
     """Law: without [[variant]] a folder is one case of its own name, and load_case takes it without a word."""
     assert load_case(case(tmp_path / "pair", "")).name == "pair"

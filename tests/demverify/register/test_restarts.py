@@ -38,14 +38,20 @@ def lammps(folder: Path, pair: str, rest: str, newton: str = "off") -> float:
 
 
 @pytest.mark.lammps
-def test_lammps_restores_the_pair_style_without_a_cutoff(tmp_path: Path) -> None:
-    """Law: a contact that was there before the restart is there after it. With newton off LAMMPS finds no pair any more."""
-    back = "write_restart state\nclear\n" + LAMMPS_AGAIN
+def test_lammps_restores_the_pair_style_without_a_cutoff(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Law: a contact that was there before the restart is there after it. In LAMMPS what the memory held decides: a cutoff of -1e303, 0 or
+    1e306, as glibc's MALLOC_PERTURB_ (complement of each fresh byte) fills it."""
+    restored = "write_restart state\nclear\n" + LAMMPS_AGAIN.format("off") + "{}" + MOVE
     law = lammps(tmp_path / "law", GRANULAR, "")
-    assert lammps(tmp_path / "stated", GRANULAR, back.format("off") + GRANULAR + MOVE) == law
-    assert lammps(tmp_path / "on", GRANULAR, back.format("on") + MOVE, "on") == pytest.approx(law, rel=1e-12)
-    measured = lammps(tmp_path / "restored", GRANULAR, back.format("off") + MOVE)
-    assert_deviates("lammps-restart-no-cutoff", measured, engine_rule=0.0, law=law, rtol=1e-12)
+    for byte, forgotten in (("1", law), ("255", 0.0), ("128", None)):
+        monkeypatch.setenv("MALLOC_PERTURB_", byte)
+        assert lammps(tmp_path / f"stated-{byte}", GRANULAR, restored.format(GRANULAR)) == law
+        if forgotten is not None:
+            measured = lammps(tmp_path / f"restored-{byte}", GRANULAR, restored.format(""))
+            assert measured == forgotten, "register entry lammps-restart-no-cutoff is out of date"
+            continue
+        with pytest.raises(pytest.fail.Exception, match="Cannot use neighbor bins"):
+            lammps(tmp_path / f"restored-{byte}", GRANULAR, restored.format(""))
 
 
 @pytest.mark.lammps

@@ -86,17 +86,17 @@ def test_exact_keeps_energy_and_momentum_over_a_million_steps() -> None:
     assert np.abs(last.angmom - R1.angmom).max() == 0.0
     spin = to_body(last.quat, last.omega)[0]
     sn, cn, dn, _ = ellipj(0.8 * 1000.0, 25 / 48)
-    assert spin == pytest.approx([cn, sn, 0.8 * dn], abs=1e-11)  # the phase: 1e6 roundings of a step's 8e-4
+    assert spin == pytest.approx([cn, sn, 0.8 * dn], abs=1e-10)  # the phase: a rate that is off by 1e-13 for a time of 1,000
 
 
 @pytest.mark.parametrize("seed", range(3))
 def test_exact_in_any_orientation(seed: int) -> None:
-    """Law: turned before it starts, a top keeps its angular momentum to the last bit, and of its energy loses less than 5e-17 a step: rounding."""
+    """Law: so does a top that is turned before it starts: 1,000,000 roundings of the orientation are a random walk of some 2e-14 of the energy."""
     rng = np.random.default_rng(seed)
     first = rotation.turning(rng.normal(size=(1, 4)), rng.normal(size=(1, 3)), MOMENTS)
-    last = rotation.freely("exact", first, MOMENTS, 1e-3, 100_000)
+    last = rotation.freely("exact", first, MOMENTS, 1e-3, 1_000_000)
     assert np.array_equal(last.angmom, first.angmom)
-    assert abs(energy(last) / energy(first) - 1.0) < 5e-12
+    assert abs(energy(last) / energy(first) - 1.0) < 1e-13
 
 
 def test_a_tumbling_top_flips_at_the_exact_times() -> None:
