@@ -75,7 +75,7 @@ def look_closer(u, k, a, o, dx, dy, dz, b, p, dt, tally, lanes):
         lanes[NX + u], lanes[NY + u], lanes[NZ + u] = dx / distance, dy / distance, dz / distance
         lanes[OVERLAP + u], lanes[PUSH + u], lanes[REFF + u], lanes[ROUND + u] = reach - distance, 1.0, b.size[a] * b.size[o] / reach, 1.0
         return np.uint64(1)
-    state, overlap, push, n, arm, reff = meet(k, a, o, dx, dy, dz, b, p.memory, GEOMETRY, HOW, p.touching[k] & 1 != 0, dt, True)
+    state, overlap, push, n, arm, reff = meet(k, a, o, dx, dy, dz, b, p.memory, GEOMETRY, SHAPE_CONTACT, p.touching[k] & 1 != 0, dt, True)
     if state == NOT_FOUND:
         tally[7] += 1.0
     lanes[NX + u], lanes[NY + u], lanes[NZ + u] = n

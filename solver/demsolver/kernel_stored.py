@@ -40,7 +40,7 @@ def stored(b, p, shifts, coefficients, ntypes, walls, dt):
                     overlap, reff = reach - distance, ra * ro / (ra + ro)
                     if SHAPES and (b.axes[a, 0] > 0.0 or b.axes[o, 0] > 0.0):
                         dx, dy, dz = between(a, o, s, b.x, shifts)
-                        state, overlap, _, _, _, reff = meet(k, a, o, dx, dy, dz, b, p.memory, GEOMETRY, HOW, p.touching[k] & 1 != 0, 0.0, False)
+                        state, overlap, _, _, _, reff = meet(k, a, o, dx, dy, dz, b, p.memory, GEOMETRY, SHAPE_CONTACT, p.touching[k] & 1 != 0, 0.0, False)
                         if state != TOUCHES:
                             continue
                     en, et, er = pair_stored(p.memory, k, overlap, ra, 1.0 / ro, reff, meff, vn / distance, dt, coefficients, row)

@@ -85,8 +85,8 @@ def implicit(scene: Scene) -> bool:
 class Features:
     """What a scene has, as the constants of the loop (see kernel.py); what is False costs nothing; of FREE, UNIFORM and ONE_LAW what is True.
 
-    HOW: kind of contact point of superquadrics, kind and limit of curvature (kernel_shape.meet). BOOKS, GEOMETRY: columns of a contact's memory
-    (kernel_books.py). SCHEME, CLUMP_SCHEME: files of demsolver.rotation.
+    SHAPE_CONTACT: kind of contact point of superquadrics, kind and limit of curvature (kernel_shape.meet). BOOKS, GEOMETRY: columns of a contact's
+    memory (kernel_books.py). SCHEME, CLUMP_SCHEME: files of demsolver.rotation.
     """
 
     PAIRS: bool
@@ -117,7 +117,7 @@ class Features:
     SHAPES: bool
     CLUMPS: bool
     TORQUES: bool
-    HOW: tuple[int, int, float]
+    SHAPE_CONTACT: tuple[int, int, float]
     BOOKS: int
     GEOMETRY: int
     SCHEME: str
@@ -127,6 +127,7 @@ class Features:
 def features(scene: Scene, threads: int = 1, *, budget: bool = False, virial: bool = False, sleeps: bool = False, guard: bool = False) -> Features:
     """What the loop of this scene needs. Raises ValueError for two integrators in one scene."""
     pair = scene.pair if meets(scene) else None
+    curvature = (CURVATURES[pair.curvature], min(pair.curvature_limit, 1e300)) if pair else (0, 1e300)
     schemes = {type(integrator) for integrator in scene.integrate}
     if EulerSphere in schemes and len(schemes) > 1:
         message = f"one scene has one integrator, not {' and '.join(sorted(scheme.__name__ for scheme in schemes))}"
@@ -163,7 +164,7 @@ def features(scene: Scene, threads: int = 1, *, budget: bool = False, virial: bo
         SHAPES=shapes,
         CLUMPS=clumps,
         TORQUES=pair is not None and (pair.friction != "none" or turns(pair) or shapes),
-        HOW=(int(scene.contact_point == "gauge"), CURVATURES[pair.curvature] if pair else 0, min(pair.curvature_limit, 1e300) if pair else 1e300),
+        SHAPE_CONTACT=(int(scene.contact_point == "gauge"), *curvature),
         BOOKS=books,
         GEOMETRY=base + (books if budget else 0),
         SCHEME=_scheme(scene, NveSuperquadric),
