@@ -16,6 +16,7 @@ from tests.support.clump_decks import BODY, INPUTS, Dumps, again, apart, bodies_
 
 ENGINES = [pytest.param(name, marks=getattr(pytest.mark, name)) for name in ("lammps", "liggghts")]
 Both = tuple[Dumps, Dumps]
+RIGID = "fix             move all rigid/small molecule\n"
 
 
 def both(case: str, engine: str, folder: Path, **settings: object) -> Both:
@@ -79,6 +80,20 @@ def test_two_clumps_collide_and_part(collision: dict[str, Both], engine: str) ->
         assert apart(ours, theirs, name) < 1e-11, name
     for name in BODY:
         assert bodies_apart(ours, theirs, name) < 1e-11, name
+
+
+@pytest.mark.lammps
+@pytest.mark.parametrize("fixes", ["fix hold b freeze\n{}", "{}fix hold b freeze\n"], ids=["freeze-first", "freeze-last"])
+def test_a_frozen_clump_flies_on_unpushed(fixes: str, tmp_path: Path) -> None:
+    """Law: contacts push no member under fix freeze, before fix rigid/small or behind it, nor count its mass; the clump flies on as it was, the other
+    one recoils as in LAMMPS to 1e-11."""
+    ours, theirs = both("clump-collision", "lammps", tmp_path, edit=lambda text: text.replace(RIGID, fixes.format(RIGID)), every=1)
+    assert sorted(ours.members) == sorted(theirs.members) == list(range(1501))
+    for name in ("x", "v", "omega", "f", "tq"):
+        assert apart(ours, theirs, name) < 1e-11, name
+    gained = ours.bodies[1500][:, BODY["v"]] - ours.bodies[0][:, BODY["v"]]
+    assert not gained[1].any()
+    assert np.abs(gained[0]).max() > 0.1
 
 
 @pytest.mark.parametrize("engine", ENGINES)
