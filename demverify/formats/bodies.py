@@ -97,11 +97,9 @@ def _expanded(name: str, computes: Mapping[str, Spec], place: Place) -> Iterator
     if found[2] == "*":
         yield from (f"c_{spec.id}[{k}]" for k in range(1, width + 1))
         return
-    index = int(found[2] or 0)
-    if (width == 1 and spec.style == "multisphere") != (index == 0) and not (width == 1 and index == 0):
-        raise InputError(f"dump local: {name}: this compute has {f'c_{spec.id}[1] to c_{spec.id}[{width}]' if width > 1 else f'c_{spec.id}'}", place)
-    if index > width:
-        raise InputError(f"dump local: {name}: this compute has {width} columns", place)
+    alone = (0,) if spec.style == "multisphere" else (0, 1)
+    if int(found[2] or 0) not in (alone if width == 1 else range(1, width + 1)):
+        raise InputError(f"dump local: {name}: this compute has c_{spec.id}{'' if width == 1 else f'[1] to c_{spec.id}[{width}]'}", place)
     yield name
 
 

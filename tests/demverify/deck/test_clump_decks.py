@@ -37,7 +37,7 @@ LIGGGHTS: list[tuple[str, str, str]] = [
     ("vel constant 0.3", "vel uniform 0.3", "vel"),
     ("region ata ntry_mc", "region atb ntry_mc", "region 'atb' is not a region with bounds"),
     ("multisphere property quat", "multisphere property quats", "expects property id_multisphere | masstotal"),
-    ("c_b_quat[4]", "c_b_quat[5]", "this compute has 4 columns"),
+    ("c_b_quat[4]", "c_b_quat[5]", "this compute has c_b_quat[1] to c_b_quat[4]"),
     ("c_b_masstotal", "c_b_masses", "column 'c_b_masses' is not of a compute"),
     ("c_b_masstotal", "c_kin", "column 'c_kin' is not of a compute"),
     ("run             1\n", "fix push all addforce 0.0 0.0 1.0\nrun             1\n", "fix push addforce acts within the step of insertion"),
@@ -57,7 +57,7 @@ LAMMPS: list[tuple[str, str, str]] = [
     (MOVE, f"{MOVE}\nfix two all rigid molecule", "one fix for all is supported"),
     ("rigid/local move mol mass", "rigid/local move mol mas", "attribute 'mas' is not one of mol, mass"),
     (MOVE, f"{MOVE} infile f", "infile"),
-    ("c_body[*]", "c_body[22]", "this compute has 21 columns"),
+    ("c_body[*]", "c_body[22]", "this compute has c_body[1] to c_body[21]"),
     ("c_body[*]", "c_bodies[*]", "column 'c_bodies[*]' is not of a compute"),
 ]  # fmt: skip
 
