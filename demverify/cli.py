@@ -265,12 +265,11 @@ def _bars() -> Iterator[Any]:
 
 def main() -> None:
     """Entry point. Whatever goes wrong is one line on stderr: bad input and wrong words status 2, an interruption 130 (SIGINT) or 143."""
-    with suppress(ValueError):  # only the main thread may
-        signal.signal(signal.SIGTERM, _terminate)  # as Ctrl-C: engines are ended, files closed
     if not sys.warnoptions:
         warnings.simplefilter("ignore")  # numpy's about overflows: what came of them is told in our own words
     try:
-        sys.exit(_status())
+        with _ended_by_sigterm():
+            sys.exit(_status())
     except InputError as error:
         _complain(2, str(error))
     except OSError as error:
@@ -279,6 +278,19 @@ def main() -> None:
         _complain(3, "not enough memory")
     except (KeyboardInterrupt, typer.Abort):
         _complain(130, INTERRUPTED)
+
+
+@contextmanager
+def _ended_by_sigterm() -> Iterator[None]:
+    """As by Ctrl-C: engines are ended, files closed. Afterwards SIGTERM is the caller's again: a fork with this handler would outlive its pool."""
+    before = None
+    with suppress(ValueError):  # only the main thread may
+        before = signal.signal(signal.SIGTERM, _terminate)
+    try:
+        yield
+    finally:
+        if before is not None:
+            signal.signal(signal.SIGTERM, before)
 
 
 def _status() -> int:

@@ -7,7 +7,6 @@ import itertools
 import logging
 import os
 import pickle
-import signal
 import socket
 import sys
 import time
@@ -243,10 +242,8 @@ def _called(monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str], 
     """The command line in this process."""
     monkeypatch.setattr("sys.argv", ["demverify", *map(str, words)])
     capfd.readouterr()
-    before = signal.getsignal(signal.SIGTERM)
     with pytest.raises(SystemExit) as ended:
         cli.main()
-    signal.signal(signal.SIGTERM, before)
     assert isinstance(ended.value.code, int)
     return Called(ended.value.code, *capfd.readouterr())
 

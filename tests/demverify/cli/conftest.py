@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import signal
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
@@ -13,10 +12,8 @@ from tests.support.cli import Call, Called, end_started
 
 
 @pytest.fixture
-def demverify(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Iterator[Call]:
+def demverify(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Call:
     """demverify(*words): status, stdout and stderr of the command."""
-    before = signal.getsignal(signal.SIGTERM)
-
     def call(*words: object) -> Called:
         monkeypatch.setattr("sys.argv", ["demverify", *map(str, words)])
         capsys.readouterr()
@@ -26,8 +23,7 @@ def demverify(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str
         assert isinstance(ended.value.code, int)
         return Called(ended.value.code, out, err)
 
-    yield call
-    signal.signal(signal.SIGTERM, before)
+    return call
 
 
 @pytest.fixture(autouse=True)

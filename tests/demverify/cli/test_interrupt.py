@@ -17,7 +17,7 @@ from demverify.formats.dump import read_dump
 from demverify.formats.h5md import read_h5md
 from demverify.formats.log import read_thermo
 from demverify.formats.reading import Reading
-from tests.support.cli import children, deck, files_in, program
+from tests.support.cli import Call, children, deck, files_in, program
 from tests.support.engines import require_lammps
 
 Write = Callable[..., Path]
@@ -98,6 +98,14 @@ def test_no_engine_outlives_an_interrupted_comparison(write: Write, tmp_path: Pa
     assert complained == "demverify: interrupted; what was written is readable\n"
     assert ids
     assert not [pid for pid in ids if alive(pid)]
+
+
+def test_sigterm_is_the_callers_again_after_a_command(demverify: Call) -> None:
+    """Law: a command leaves no handler of its own behind in a Python that called it: processes forked later must end by SIGTERM, as a pool's do."""
+    before = signal.getsignal(signal.SIGTERM)
+    assert demverify("doctor").status == 0
+    assert demverify("run", "no deck").status == 2
+    assert signal.getsignal(signal.SIGTERM) == before
 
 
 @pytest.mark.parametrize(("word", "more"), [("--help", {"numpy", "rich.progress"}), ("doctor", set())])
