@@ -7,7 +7,7 @@ import numpy as np
 from demsolver.scene import Box
 from demverify.deck.command import Command, command
 from demverify.deck.commands.molecule import create_molecule
-from demverify.deck.commands.space import before_box, make_box, need_box
+from demverify.deck.commands.space import before_box, check_inside, make_box, need_box
 from demverify.deck.data_file import particles_of, read_data_file
 from demverify.deck.delegate import delegated
 from demverify.deck.interpreter import Interpreter
@@ -28,7 +28,7 @@ def create_atoms(deck: Interpreter, cmd: Command) -> None:
     style = cmd.choice("style", ("box", "region", "single", "random"))
     cmd.what = f"create_atoms {style}"
     if "mol" in cmd.args:
-        create_molecule(deck, cmd, particle_type, style)
+        create_molecule(deck, cmd, box, particle_type, style)
     elif style == "random" or set(_DRAWN) & set(cmd.args):
         deck.setup.atoms = delegated(deck, cmd)
     elif style == "single":
@@ -43,10 +43,7 @@ def _single(deck: Interpreter, cmd: Command, box: Box, particle_type: int) -> No
     if remap:
         edge = box.hi - box.lo
         x = np.where(box.periodic, x - np.floor((x - box.lo) / edge) * edge, x)
-    outside = ~((x >= box.lo) & (x < box.hi))[0]
-    if outside.any():
-        axis = int(np.argmax(outside))
-        raise cmd.error(f"{'xyz'[axis]} = {x[0, axis]:g} is outside the box, {box.lo[axis]:g} to {box.hi[axis]:g}")
+    check_inside(cmd, box, x[0])
     if deck.setup.dimension == 2 and x[0, 2] != 0.0:
         raise cmd.error("z must be 0 in two dimensions")
     add_particles(deck.setup, np.array([particle_type]), x)

@@ -6,10 +6,12 @@ from math import cos, pi, sin
 
 import numpy as np
 
+from demsolver.scene import Box
 from demsolver.shapes.rotation import matrix
 from demverify.deck.command import Command, command
+from demverify.deck.commands.space import check_inside
 from demverify.deck.interpreter import Interpreter
-from demverify.deck.particles import joined, new_atoms, next_ids, next_molecule, no_atoms
+from demverify.deck.particles import joined, new_atoms, next_ids, next_molecule, no_atoms, wrap
 from demverify.deck.regions import region_scale
 from demverify.formats.molecule import read_molecule
 
@@ -27,13 +29,14 @@ def molecule(deck: Interpreter, cmd: Command) -> None:
     deck.setup.molecules[name] = read_molecule(deck.find_file(file), scale)
 
 
-def create_molecule(deck: Interpreter, cmd: Command, offset: int, style: str) -> None:
-    """create_atoms 0 single x y z mol ID SEED rotate ANGLE ax ay az: atom i at (x y z) + Q (coords_i - mean of coords), in degrees about that axis
-    (measured)."""
+def create_molecule(deck: Interpreter, cmd: Command, box: Box, offset: int, style: str) -> None:
+    """create_atoms 0 single x y z mol ID SEED rotate ANGLE ax ay az: atom i at (x y z) + Q (coords_i - mean of coords), in degrees about that axis,
+    brought back through periodic faces at once; molecules of the file count on from the largest there is (measured)."""
     if style != "single":
         raise cmd.error("mol is supported with single alone")
     setup = deck.setup
     x = np.array(cmd.vector("x", "y", "z")) * region_scale(setup, cmd)
+    check_inside(cmd, box, x)
     cmd.choice("keyword", ("mol",))
     name = cmd.take("a molecule")
     if name not in setup.molecules:
@@ -58,5 +61,5 @@ def create_molecule(deck: Interpreter, cmd: Command, offset: int, style: str) ->
         raise cmd.error(f"molecule {name} has type {types.max()}, and there are {setup.ntypes}")
     ids = next_ids(atoms, len(types))
     new = new_atoms(ids, types, x + (found.centre - found.centre.mean(axis=0)) @ turned.T, found.radius.copy(), found.mass.copy())
-    new.molecule[:] = next_molecule(atoms)
-    setup.atoms = joined(atoms, new)
+    new.molecule[:] = next_molecule(atoms) if found.molecule is None else next_molecule(atoms) - 1 + found.molecule
+    setup.atoms = joined(atoms, wrap(new, box))

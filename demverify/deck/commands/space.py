@@ -10,6 +10,7 @@ from demverify.deck.interpreter import Interpreter
 from demverify.deck.lattice import read_lattice
 from demverify.deck.particles import no_atoms
 from demverify.deck.regions import find_region, read_region
+from demverify.deck.setup import Floats
 
 _MOST_TYPES = 1000  # the contact laws keep a table of all pairs of types
 _SHRINK_MARGIN = 1e-4  # both engines widen a new box by this share at each shrink-wrapped face (measured)
@@ -27,6 +28,14 @@ def need_box(deck: Interpreter, cmd: Command) -> Box:
     if deck.setup.box is None:
         raise cmd.error("needs a simulation box: create_box or read_data must come first")
     return deck.setup.box
+
+
+def check_inside(cmd: Command, box: Box, x: Floats) -> None:
+    """Raises InputError when the place x (3,) is outside the box."""
+    outside = ~((x >= box.lo) & (x < box.hi))
+    if outside.any():
+        axis = int(np.argmax(outside))
+        raise cmd.error(f"{'xyz'[axis]} = {x[axis]:g} is outside the box, {box.lo[axis]:g} to {box.hi[axis]:g}")
 
 
 @command("units")

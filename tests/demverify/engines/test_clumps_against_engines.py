@@ -83,6 +83,35 @@ def test_two_clumps_collide_and_part(collision: dict[str, Both], engine: str) ->
 
 
 @pytest.mark.lammps
+def test_a_clump_across_a_periodic_face(tmp_path: Path) -> None:
+    """Law: spheres beyond a periodic face are inside at once, as commands behind create_atoms see them in LAMMPS: velocities from formulas of x."""
+
+    def edit(text: str) -> str:
+        return text.replace("boundary        f f f", "boundary        p p f").replace("single 0.00163", "single 0.04963")
+
+    ours, theirs = both("clump-bounce", "lammps", tmp_path, edit=edit, every=10, steps=100)
+    at = theirs.members[0]["x"][:, 0]
+    assert at.min() < -0.04
+    assert at.max() > 0.04
+    for name in ("x", "v", "omega", "f"):
+        assert apart(ours, theirs, name) < 1e-12, name
+
+
+@pytest.mark.lammps
+def test_molecules_of_the_file(tmp_path: Path) -> None:
+    """Law: molecules that the file numbers count on from the largest there is, as in LAMMPS: 3 behind none is 3."""
+    file = tmp_path / "three.mol"
+    file.write_text((INPUTS / "clump-bounce" / "clump.mol").read_text() + "\nMolecules\n\n1 3\n2 3\n3 3\n4 3\n")
+
+    def edit(text: str) -> str:
+        return text.replace("clump.mol", str(file)).replace("group           a molecule 1", "group           a molecule 3")
+
+    ours, theirs = both("clump-bounce", "lammps", tmp_path, edit=edit, every=10, steps=10)
+    assert theirs.members[0]["mol"].tolist() == ours.members[0]["mol"].tolist() == [3.0] * 4
+    assert bodies_apart(ours, theirs, "v") < 1e-13
+
+
+@pytest.mark.lammps
 @pytest.mark.parametrize("fixes", ["fix hold b freeze\n{}", "{}fix hold b freeze\n"], ids=["freeze-first", "freeze-last"])
 def test_a_frozen_clump_flies_on_unpushed(fixes: str, tmp_path: Path) -> None:
     """Law: contacts push no member under fix freeze, before fix rigid/small or behind it, nor count its mass; the clump flies on as it was, the other
