@@ -27,6 +27,7 @@ KINDS = (LAST, "superquadric", BODIES)
 """What a particle is, by its number in `Particles.kind`."""
 MOST_BYTES = 28_000_000
 """Of a page, without its program."""
+_FARTHEST = 1e18  # of a place and a size: the page has float32, and squares them
 _NAMED = 3  # particles or steps a note names
 
 
@@ -229,8 +230,9 @@ def _scene(frame: Frame, request: Request, found: FrameEnergies, bodies: _BodyEn
     erotate, ke = _of_particles(found, population.id), _ke(population.mass, population.v, n, energy_factor(frame, meanings))
     erotate[body > 0], ke[body > 0] = bodies.of(body[body > 0])
     kind = np.where(body > 0, KINDS.index(BODIES), np.where(solid, 1, 0))
-    seen = np.isfinite(x).all(axis=1) & np.isfinite(size).all(axis=1) & (quat is None or np.isfinite(quat).all(axis=1))
-    notes += [f"step {frame.step}: particle {i} has no finite place or shape, and is not drawn" for i in population.id[~seen][:_NAMED]]
+    seen = (np.abs(x) < _FARTHEST).all(axis=1) & (np.abs(size) < _FARTHEST).all(axis=1) & (quat is None or np.isfinite(quat).all(axis=1))
+    unseen = f"has no finite place or shape below {_FARTHEST:g}, and is not drawn"
+    notes += [f"step {frame.step}: particle {i} {unseen}" for i in population.id[~seen][:_NAMED]]
     points = seen & ~size[:, :3].any(axis=1)
     notes += ["particles without a radius are points, and are not drawn"] if points.any() else []
     rows = np.flatnonzero(seen & ~points)

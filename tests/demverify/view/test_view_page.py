@@ -173,10 +173,22 @@ def test_what_is_not_finite(demverify: Call, write: Write, tmp_path: Path) -> No
     done = demverify("view", write(dump(0, rows=rows, columns=COLUMNS.removesuffix(" id_multisphere")), "d.dump"), "-o", tmp_path / "view.html")
     assert done.status == 1
     assert "step 0: omega of particle 1 is not finite" in done.err
-    assert "step 0: particle 2 has no finite place or shape, and is not drawn" in done.err
+    assert "step 0: particle 2 has no finite place or shape below 1e+18, and is not drawn" in done.err
     (frame,) = shown(tmp_path / "view.html")
     assert frame["id"].tolist() == [1, 3]
     assert np.isnan(frame["erotate"]).tolist() == [True, False]
+
+
+def test_what_is_too_far(demverify: Call, write: Write, tmp_path: Path) -> None:
+    """Law: what of a run that blew up is beyond float32, in place or size, is not drawn but told, in one line each; the rest is seen as ever."""
+    rows = "1 0 0 0 0 0 2 0 0 3 0.1 7\n2 1e300 0 0 0 0 2 0 0 3 0.1 7\n3 0 0 0.5 0 0 2 0 0 3 1e30 7\n"
+    done = demverify("view", write(dump(0, rows=rows, columns=COLUMNS.removesuffix(" id_multisphere")), "d.dump"), "-o", tmp_path / "view.html")
+    assert done.err.splitlines() == [
+        f"demverify: note: step 0: particle {i} has no finite place or shape below 1e+18, and is not drawn" for i in (2, 3)
+    ]
+    (frame,) = shown(tmp_path / "view.html")
+    assert frame["id"].tolist() == [1]
+    assert frame["x"].tolist() == [[0.0, 0.0, 0.0]]
 
 
 def test_a_trajectory(demverify: Call, tmp_path: Path) -> None:
