@@ -10,10 +10,10 @@ import numpy as np
 
 from demsolver.bind_law import longest_reach
 from demsolver.check_bodies import check_bodies
-from demsolver.scene import Clumps, EulerSphere, Integrator, Neighbor, NveSphere, Particles, Scene
+from demsolver.scene import EulerSphere, Integrator, Neighbor, NveSphere, Particles, Scene
 from demsolver.state import selected
-from demverify.deck.clumps import gathered
-from demverify.deck.forces import FORCES, INTEGRATORS, RIGID
+from demverify.deck.forces import FORCES, INTEGRATORS
+from demverify.deck.rigid import rigid_bodies
 from demverify.deck.setup import Atoms, NeighborSpec, Setup, Spec
 from demverify.errors import InputError, Place
 
@@ -29,8 +29,8 @@ def scene_of(setup: Setup) -> Scene:
     if setup.box is None or setup.atoms is None:
         raise InputError("the deck made no simulation box: create_box or read_data is missing")
     check_particles(setup.atoms)
-    if rigid := [spec for spec in setup.fixes.values() if spec.style in RIGID]:
-        setup.atoms.clumps = _rigid(setup, setup.atoms, rigid)
+    if setup.dialect == "lammps":
+        setup.atoms.clumps = rigid_bodies(setup, setup.atoms)
     law: Any = import_module(f"demverify.deck.materials_{setup.dialect}")
     fixes = setup.fixes.values()
     scene = Scene(
@@ -54,23 +54,6 @@ def scene_of(setup: Setup) -> Scene:
         raise InputError(str(error)) from None
     _check_reach(scene)
     return scene
-
-
-def _rigid(setup: Setup, atoms: Atoms, specs: list[Spec]) -> Clumps:
-    """The bodies of fix rigid, made of the spheres as they are now: LAMMPS makes them anew for every run, too."""
-    if len(specs) > 1:
-        message = f"fix {specs[1].id} {specs[1].style}: fix {specs[0].id} moves rigid bodies already; one fix for all is supported"
-        raise InputError(message, specs[1].place)
-    spec = specs[0]
-    member = np.flatnonzero(selected(atoms.mask, setup.groups[spec.group]) & (atoms.molecule > 0))
-    if not len(member):
-        raise InputError(f"fix {spec.id} {spec.style}: no particle of group {spec.group} has a molecule", spec.place)
-    movers = [fix for fix in setup.fixes.values() if fix.style == "nve/sphere" and selected(atoms.mask[member], setup.groups[fix.group]).any()]
-    if movers:
-        message = f"fix {movers[0].id} {movers[0].style}: moves spheres that fix {spec.id} {spec.style} moves as bodies: give each a group of its own"
-        raise InputError(message, movers[0].place)
-    assert setup.box is not None
-    return gathered(atoms, setup.box, member, atoms.molecule[member])
 
 
 def _check_reach(scene: Scene) -> None:

@@ -92,6 +92,7 @@ class NeighborSpec:
     delay: int | None = None  # None: the default of the dialect (LAMMPS 2025: 0, LIGGGHTS: 10)
     check: bool = True
     exclude: list[tuple[str, str, str]] = field(default_factory=list)  # ("group"|"type", a, b)
+    exclude_intra: list[tuple[str, Place]] = field(default_factory=list)  # groups within whose molecules nobody sees another
     contact_distance_factor: float = 1.0
 
 

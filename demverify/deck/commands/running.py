@@ -112,9 +112,9 @@ def _exclude(deck: Interpreter, cmd: Command) -> None:
     pairs = deck.setup.neighbor.exclude
     if what == "none":
         pairs.clear()
+        deck.setup.neighbor.exclude_intra.clear()
     elif what == "molecule/intra":
-        known_group(deck.setup, cmd)
-        deck.ignore(cmd)  # members of a clump do not see each other here, asked or not
+        deck.setup.neighbor.exclude_intra.append((known_group(deck.setup, cmd), cmd.place))
     elif what == "group":
         pairs.append((what, known_group(deck.setup, cmd), known_group(deck.setup, cmd)))
     else:

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from demsolver.state import moved
 from demverify.engines.base import Job
 from demverify.engines.native import ENGINE
 from demverify.errors import InputError
@@ -59,6 +60,12 @@ LAMMPS: list[tuple[str, str, str]] = [
     (MOVE, f"{MOVE} infile f", "infile"),
     ("c_body[*]", "c_body[22]", "this compute has c_body[1] to c_body[21]"),
     ("c_body[*]", "c_bodies[*]", "column 'c_bodies[*]' is not of a compute"),
+    (PLACE, "create_atoms    0 single 0.2 -0.002 0.006", "x = 0.2 is outside the box, -0.05 to 0.05"),
+    ("ke/rigid move", "ke/rigid moves", "compute kin ke/rigid expects a fix of rigid bodies, got moves; there are: move"),
+    ("rigid/local move", "rigid/local moves", "compute body rigid/local expects a fix of rigid bodies, got moves; there are: move"),
+    (MOVE, f"group some id 1\n{MOVE.replace(' all ', ' some ')}", "molecule 1 has one sphere in group some; a body has two or more"),
+    (MOVE, f"group some id 1 2 3\n{MOVE.replace(' all ', ' some ')}", "hides contacts of spheres 1 and 4 too, of molecule 1 but of no one clump"),
+    (MOVE, f"create_atoms 1 single 0 0 0.02\ncreate_atoms 1 single 0 0 0.04\n{MOVE}", "spheres 5 and 6 too, of molecule 0 but of no one clump"),
 ]  # fmt: skip
 
 
@@ -96,6 +103,28 @@ def test_restart_files_keep_no_clumps(dialect: str, tmp_path: Path) -> None:
     with pytest.raises(InputError, match="write_restart keeps spheres and superquadrics, not clumps"):
         ENGINE.run(Job(deck, tmp_path / "out", {}, None, 60.0, 1, 1))
     assert not list((tmp_path / "out").glob("state*"))
+
+
+def test_frozen_spheres_need_not_see_each_other(tmp_path: Path) -> None:
+    """Law: exclude molecule/intra all is as good as of clumps alone where all loose spheres are frozen; one that moves would not see them."""
+    loose = "create_atoms 1 single 0 0 0.02\ncreate_atoms 1 single 0 0 0.04\ngroup floor id 5 6\ngroup free id 6\n"
+    deck = changed("lammps", MOVE, f"{loose}fix hold floor freeze\n{MOVE}", tmp_path)
+    clumps = plan(deck, {}).runs[-1].scene.particles.clumps
+    assert clumps is not None
+    assert clumps.body.tolist() == [0, 0, 0, 0, -1, -1]
+    deck.write_text(deck.read_text().replace("fix hold floor", "fix hold free"))
+    with pytest.raises(InputError, match="hides contacts of spheres 5 and 6 too"):
+        plan(deck, {})
+
+
+def test_spheres_whose_fix_rigid_is_gone_are_loose(tmp_path: Path) -> None:
+    """Law: after unfix of fix rigid its spheres are clumps no more: fix nve/sphere moves each on its own."""
+    deck = changed("lammps", "exclude molecule/intra all", "", tmp_path)
+    deck.write_text(deck.read_text().split("compute ")[0] + "run 1\nunfix move\nfix fly all nve/sphere\nrun 1\n")
+    before, after = (run.scene for run in plan(deck, {}).runs)
+    assert before.particles.clumps is not None
+    assert after.particles.clumps is None
+    assert moved(after).all()
 
 
 COMMANDS = dict.fromkeys(("timestep", "stability"), "the limits of a step are known for spheres on their own, not for clumps")
