@@ -118,6 +118,8 @@ def _remove(setup: Setup, cmd: Command, name: str, style: str, atoms: Atoms) -> 
         raise cmd.error(f"cannot {style} {name!r}; groups of this deck: {others}")
     specs: list[Spec | DumpSpec] = [*setup.fixes.values(), *setup.computes.values(), *setup.dumps.values()]
     users = [spec.id for spec in specs if spec.group == name]
+    hidden = [*(pair for what, *pair in setup.neighbor.exclude if what == "group"), *([group] for group, _ in setup.neighbor.exclude_intra)]
+    users += ["neigh_modify exclude"] if any(name in groups for groups in hidden) else []
     if style == "delete" and users:
         raise cmd.error(f"group {name!r} is in use by {', '.join(users)}")
     atoms.mask &= ~(1 << setup.groups[name])

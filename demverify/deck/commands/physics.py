@@ -52,6 +52,8 @@ def fix(deck: Interpreter, cmd: Command) -> None:
 @command("unfix")
 def unfix(deck: Interpreter, cmd: Command) -> None:
     """unfix ID"""
+    if (spec := deck.setup.fixes.get(cmd.peek())) and spec.style == "multisphere":
+        raise cmd.error(f"fix {spec.id} multisphere holds the clumps, and LIGGGHTS does not let it go")
     if any(line.words[:2] == ("fix", *cmd.args) for line in deck.ignored):
         deck.ignore(cmd)
     else:

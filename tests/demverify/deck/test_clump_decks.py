@@ -44,6 +44,7 @@ LIGGGHTS: list[tuple[str, str, str]] = [
     ("run             1\n", "fix push all addforce 0.0 0.0 1.0\nrun             1\n", "fix push addforce acts within the step of insertion"),
     ("fix             move all multisphere", "fix             move all rigid/small", "rigid/small"),
     ("radius mass\ndump_modify members", "radius density\ndump_modify members", "density of members of clumps"),
+    ("run             ${steps}", "run 1\nunfix move\nrun 1", "fix move multisphere holds the clumps, and LIGGGHTS does not let it go"),
 ]
 LAMMPS: list[tuple[str, str, str]] = [
     (f" {ROTATE}", "", "mol needs rotate: without it LAMMPS draws the orientation at random"),
@@ -66,6 +67,7 @@ LAMMPS: list[tuple[str, str, str]] = [
     (MOVE, f"group some id 1\n{MOVE.replace(' all ', ' some ')}", "molecule 1 has one sphere in group some; a body has two or more"),
     (MOVE, f"group some id 1 2 3\n{MOVE.replace(' all ', ' some ')}", "hides contacts of spheres 1 and 4 too, of molecule 1 but of no one clump"),
     (MOVE, f"create_atoms 1 single 0 0 0.02\ncreate_atoms 1 single 0 0 0.04\n{MOVE}", "spheres 5 and 6 too, of molecule 0 but of no one clump"),
+    ("exclude molecule/intra all", "exclude molecule/intra a\ngroup a delete", "group 'a' is in use by neigh_modify exclude"),
 ]  # fmt: skip
 
 
