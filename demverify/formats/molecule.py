@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 
 from demverify.errors import InputError, Place
 from demverify.formats.text import whole_text
+from demverify.formats.words import number
 from demverify.frames import Floats
 
 _COUNTS = ("atoms", "bonds", "angles", "dihedrals", "impropers", "fragments")
@@ -103,7 +104,7 @@ class _File:
         self.path = path
         text = whole_text(path, "a molecule file, which is text")
         self.lines = [line.partition("#")[0].split() for line in text.splitlines()]
-        self._comments = {number for number, line in enumerate(text.splitlines(), 1) if line.lstrip().startswith("#")}
+        self._comments = {at for at, line in enumerate(text.splitlines(), 1) if line.lstrip().startswith("#")}
         self.at = 1
 
     def next(self) -> list[str] | None:
@@ -141,9 +142,9 @@ def _header(file: _File) -> dict[str, list[float]]:
             raise file.error(f"expected a header line that ends with {', '.join((*_COUNTS, *_NUMBERS))}, or the name of a section, got {shown!r}")
         if len(words) != wanted + 1 or not all(map(_is_number, words[:-1])):
             raise file.error(f"expected {wanted} number{'s' * (wanted > 1)} before {word}, got {shown!r}")
-        if word in _COUNTS and not words[0].isdigit():
+        if word in _COUNTS and not _is_count(words[0]):
             raise file.error(f"expected a whole number before {word}, got {words[0]!r}")
-        header[word] = [float(number) for number in words[:-1]]
+        header[word] = [float(one) for one in words[:-1]]
     if header.get("atoms", [0.0])[0] < 1.0:
         message = "expected a header line `N atoms` with N of 1 or more after the first line, which is a title"
         raise InputError(message, Place(file.path))
@@ -192,7 +193,7 @@ def _table(file: _File, name: str, k: int, start: Place) -> Floats:
         if not words:
             raise _short(file, name, k, start)
         shown = " ".join(words[:8])
-        if len(words) != len(columns) + 1 or not words[0].isdigit() or not all(map(_is_number, words[1:])):
+        if len(words) != len(columns) + 1 or not _is_count(words[0]) or not all(map(_is_number, words[1:])):
             raise file.error(f"expected ID {_ATOM_SECTIONS[name]} in {name}, got {shown!r}")
         row = int(words[0]) - 1
         if not 0 <= row < k:
@@ -209,9 +210,13 @@ def _table(file: _File, name: str, k: int, start: Place) -> Floats:
 
 def _is_number(word: str) -> bool:
     try:
-        return math.isfinite(float(word))
+        return math.isfinite(number(word.encode()))
     except ValueError:
         return False
+
+
+def _is_count(word: str) -> bool:
+    return word.isascii() and word.isdigit()
 
 
 def _whole(least: int) -> Callable[[float], bool]:

@@ -15,6 +15,7 @@ import numpy as np
 from demsolver.shapes.multisphere import Template
 from demverify.errors import InputError, Place
 from demverify.formats.text import whole_text
+from demverify.formats.words import number
 
 
 def read_template(path: Path, scale: float = 1.0, density: float | None = None, kind: int = 1) -> Template:
@@ -37,11 +38,11 @@ def _lines(path: Path) -> Iterator[tuple[int, list[str]]]:
     """Number and words of every line that has some; of continued lines the number of the last."""
     text = whole_text(path, "a text file of spheres (x y z r)")
     words: list[str] = []
-    for number, line in enumerate(text.splitlines(), 1):
+    for at, line in enumerate(text.splitlines(), 1):
         plain = line.partition("#")[0].rstrip()
         words += plain.removesuffix("&").split()
         if words and not plain.endswith("&"):
-            yield number, words
+            yield at, words
             words = []
     if words:
         yield len(text.splitlines()), words
@@ -54,7 +55,7 @@ def _sphere(words: list[str], place: Place) -> list[float]:
         message = f"expected x y z r, or x y z r type, got {len(words)} words: {shown!r}"
         raise InputError(message, place)
     try:
-        values = [float(word) for word in words]
+        values = [number(word.encode()) for word in words]
     except ValueError:
         message = f"expected numbers x y z r, got {shown!r}"
         raise InputError(message, place) from None

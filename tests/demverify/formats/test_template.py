@@ -54,6 +54,8 @@ def test_layouts(tmp_path: Path, text: str) -> None:
         ("0 0 0 1\n0 0 0\n", 2, "got 3 words: '0 0 0'"),
         ("0 0 0 1 1 1\n", 1, "got 6 words"),
         ("0 0 0 one\n", 1, "expected numbers"),
+        ("0 0 0 1_0\n", 1, "expected numbers"),
+        ("0 0 0 １\n", 1, "expected numbers"),
         ("0 0 nan 1\n", 1, "finite"),
         ("0 0 0 1\n\n0 0 0 -1\n", 3, "r above zero"),
         ("0 0 0 0\n", 1, "r above zero"),
