@@ -14,6 +14,7 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Any, Literal, get_args
 
+from demverify.deck.forces import FORCES, RIGID
 from demverify.deck.rotating import region_of
 from demverify.deck.setup import Dialect, Setup, Spec
 from demverify.errors import InputError, Place
@@ -38,7 +39,7 @@ class Features:
     friction: some coefficient is not zero. tangential_damping: some law has it.
     undamped_wall: a wall without normal damping. two_planes: a LAMMPS wall of two planes. turning: a cylinder. discs: spheres integrated as discs.
     short_dumps: a dump without a format of its own. restart: read_restart made the box; pair_of_the_file: and the pair style.
-    runs: number of `run` commands. particles: their number.
+    late_forces: a fix that pushes spheres stands behind that of the clumps. runs: number of `run` commands. particles: their number.
     """
 
     pair_styles: Words = frozenset()
@@ -63,6 +64,7 @@ class Features:
     short_dumps: bool = False
     restart: bool = False
     pair_of_the_file: bool = False
+    late_forces: bool = False
     runs: int = 1
     particles: int = 0
     dimension: int = 3
@@ -83,6 +85,7 @@ NEEDS: dict[str, Callable[[Features], bool]] = {
     "turning cylinder": lambda f: f.turning,
     "restart": lambda f: f.restart,
     "pair style of the restart file": lambda f: f.pair_of_the_file,
+    "forces behind the fix of clumps": lambda f: f.late_forces,
     "several runs": lambda f: f.runs > 1,
     "one particle": lambda f: f.particles == 1,
     "two dimensions": lambda f: f.dimension == 2,
@@ -264,10 +267,18 @@ def features_of(setup: Setup, runs: int) -> Features:
         short_dumps=any(not dump.format for dump in setup.dumps.values()),
         restart=setup.restored is not None,
         pair_of_the_file=setup.restored is not None and setup.pair_place is setup.restored,
+        late_forces=_late_forces(setup),
         runs=runs,
         particles=setup.atoms.n if setup.atoms else 0,
         dimension=setup.dimension,
     )
+
+
+def _late_forces(setup: Setup) -> bool:
+    styles = [fix.style for fix in setup.fixes.values()]
+    clumps = next((k for k, style in enumerate(styles) if style in (*RIGID, "multisphere")), len(styles))
+    pushes = FORCES.keys() - ({"gravity"} if setup.dialect == "liggghts" else set())  # LIGGGHTS' weight pulls at the clump itself (measured)
+    return any(style.startswith("wall/gran") or style in pushes for style in styles[clumps:])
 
 
 @dataclass(frozen=True)

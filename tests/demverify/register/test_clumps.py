@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.support.clump_decks import BODY, again, ran
+from tests.support.clump_decks import BODY, MOVE, again, ran
 from tests.support.deviations import assert_deviates
 
 GRAVITY, DT = 9.81, 2.5e-6
@@ -28,10 +28,34 @@ def test_members_of_a_clump_have_its_mass_and_no_weight(tmp_path: Path) -> None:
     assert np.abs(own["x"] - whole["x"]).max() < 1e-14  # both move alike
 
 
+WEIGHT = f"fix             gravity all gravity {GRAVITY} vector 0.0 0.0 -1.0\n"
+RIGID = "fix             move all rigid/small molecule\n"
+
+
+def first_pull(engine: str, folder: Path, *fixes: str) -> float:
+    """Acceleration along z in the first step of a second run, of a clump that nothing touches, with these fixes in this order."""
+
+    def edit(text: str) -> str:
+        return text.replace(WEIGHT, "").replace(MOVE if MOVE in text else RIGID, "".join(fixes)) + "run 2\n"
+
+    run = ran("clump-bounce", engine, folder, edit=edit, every=1, steps=5)
+    return float((run.bodies[6][0, BODY["v"]] - run.bodies[5][0, BODY["v"]])[2]) / DT
+
+
+@pytest.mark.lammps
+def test_forces_behind_fix_rigid_miss_half_a_step(tmp_path: Path) -> None:
+    """Entry lammps-rigid-before-forces: what falls, falls at g from its first step on; behind fix rigid at g/2. In native at g."""
+    law = first_pull("lammps", tmp_path / "in front", WEIGHT, RIGID)
+    assert law == pytest.approx(-GRAVITY, rel=1e-8)
+    measured = first_pull("lammps", tmp_path / "behind", RIGID, WEIGHT)
+    assert_deviates("lammps-rigid-before-forces", measured, engine_rule=-0.5 * GRAVITY, law=law, rtol=1e-8)
+    assert first_pull("native-lammps", tmp_path / "native", RIGID, WEIGHT) == pytest.approx(-GRAVITY, rel=1e-8)
+
+
 @pytest.mark.liggghts
-def test_walls_behind_fix_multisphere_miss_half_a_step(tmp_path: Path) -> None:
-    """Entry liggghts-multisphere-before-wall: in the first half step of a run a clump feels no wall that is defined behind fix multisphere; in front
-    of it, it does."""
+def test_forces_behind_fix_multisphere_miss_half_a_step(tmp_path: Path) -> None:
+    """Entry liggghts-multisphere-before-wall: in the first half step of a run a clump feels no wall and no addforce that is defined behind fix
+    multisphere; in front of it, it does. Its weight it feels wherever that stands."""
     found = []
     for first in (True, False):
         edit = partial(again, floor_first=first)
@@ -43,3 +67,8 @@ def test_walls_behind_fix_multisphere_miss_half_a_step(tmp_path: Path) -> None:
     assert before > 1.0  # a spring alone: the set-up finds the force of the step before
     assert right == pytest.approx(before + after, rel=1e-9)
     assert_deviates("liggghts-multisphere-before-wall", missed, engine_rule=later, law=then + later, rtol=1e-9)
+    push = "fix             push all addforce 0.0 0.0 0.01\n"
+    law = first_pull("liggghts", tmp_path / "push in front", push, MOVE)
+    measured = first_pull("liggghts", tmp_path / "push behind", MOVE, push)
+    assert_deviates("liggghts-multisphere-before-wall", measured, engine_rule=0.5 * law, law=law, rtol=1e-8)
+    assert first_pull("liggghts", tmp_path / "weight behind", MOVE, WEIGHT) == pytest.approx(-GRAVITY, rel=1e-8)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 from dataclasses import replace
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 import pytest
@@ -334,3 +335,14 @@ def test_cylinders_that_turn(wall: str, axis: str, turns: bool) -> None:
     setup.fixes["w"] = Spec("w", "all", "wall/gran", ("model", "hooke", "primitive", "type", "1", *wall.split()), Place(Path("in.case"), 1))
     found = features_of(setup, runs=1)
     assert (found.cylinders, found.turning) == (frozenset({axis} - {""}), turns)
+
+
+@pytest.mark.parametrize(("dialect", "styles", "late"), [
+    ("lammps", "gravity rigid/small", False), ("lammps", "rigid/small gravity", True), ("lammps", "gravity rigid/nve/small addforce", True),
+    ("lammps", "rigid nve/sphere", False), ("lammps", "nve/sphere gravity", False),
+    ("liggghts", "wall/gran multisphere gravity", False), ("liggghts", "multisphere wall/gran", True), ("liggghts", "multisphere addforce", True),
+])  # fmt: skip
+def test_forces_that_the_set_up_misses(dialect: Literal["lammps", "liggghts"], styles: str, late: bool) -> None:
+    """The order of fixes counts where clumps are; LIGGGHTS' weight is an exception."""
+    setup = Setup(dialect, fixes={style: fix(style, style) for style in styles.split()})
+    assert features_of(setup, runs=1).late_forces is late
