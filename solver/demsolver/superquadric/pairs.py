@@ -163,7 +163,8 @@ def chord(p: Vector, i: Body, j: Body) -> tuple[float, Vector]:
     n = gj[0] - gi[0], gj[1] - gi[1], gj[2] - gi[2]
     size = length(n)
     n = n[0] / size, n[1] / size, n[2] / size
-    if max(fi, fj) >= 0.0:
+    # the potential of both, whatever of p is lost to rounding: that of a blunt body is smaller than the steeper one's rounding
+    if fi * length(gj) + fj * length(gi) >= 0.0:
         return 0.0, n
     return leaves(p, (-n[0], -n[1], -n[2]), i) + leaves(p, n, j), n
 

@@ -78,6 +78,21 @@ def test_the_point_of_equal_potentials(seed: int) -> None:
 
 
 @settings(max_examples=60, deadline=None)
+@given(st.integers(0, 10_000), st.sampled_from([(2.0, 48.0), (2.0, 100.0), (10.0, 60.0)]))
+def test_a_round_and_a_blunt_body_touch_where_they_overlap(seed: int, exponents: tuple[float, float]) -> None:
+    """Law: there is an overlap where two bodies grown by lam < 1 would touch, and none where lam > 1, however small the blunt one's potential is."""
+    i, other = (Body(*one[:3], n, n, 2.0 ** (2.0 - n)) for one, n in zip(near(seed), exponents, strict=True))
+    p, found, _ = pairs.afresh(i, other, pairs.GAUGE)
+    assert found
+    reach = np.array(other.x) / pairs.grown(p, i, other)[0]
+    for part, touches in ((0.999, True), (0.95, True), (1.001, False)):
+        j = Body(tuple(part * reach), *other[1:])
+        p, found, _ = pairs.afresh(i, j, pairs.POTENTIAL)
+        assert found
+        assert (pairs.chord(p, i, j)[0] > 0.0) is touches
+
+
+@settings(max_examples=60, deadline=None)
 @given(st.integers(0, 10_000))
 def test_a_guess_changes_nothing(seed: int) -> None:
     """Law: from a guess off by a thousandth of a body, and with the bodies in the other order, point, overlap and normal are the same."""
