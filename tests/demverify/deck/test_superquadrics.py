@@ -30,6 +30,7 @@ PAIR = "pair_style gran model hertz tangential history surface superquadric"
     ("quat 1 1 0 30", "quat_direct 0 0 0 0", ":12: set atom the quaternion must not be zero"),
     ("density 2500", "diameter 0.1", ":11: set type keyword 'diameter' is not one of type, shape, blockiness"),
     ("fix move all nve/superquadric integration_scheme 1", "fix move all nve/sphere", ":24: fix move nve/sphere moves spheres"),
+    ("integration_scheme 1", "integration_scheme 1\nfix b all nve/superquadric integration_scheme 2", ":25: fix b nve/superquadric: fix move has"),
     ("integration_scheme 1", "integration_scheme 4", ":24: fix move nve/superquadric integration_scheme must be from 0 to 3, got 4"),
     ("atom_style superquadric", "atom_style granular", ":11: set type keyword 'shape' is not one of"),
     (PAIR, PAIR.removesuffix(" surface superquadric"), ":20: pair_style gran surface default does not go with atom_style superquadric"),
