@@ -89,6 +89,15 @@ def test_a_trajectory_has_shapes(tmp_path: Path) -> None:
     assert sphere.sum() > 1.1 * printed[0]
 
 
+@pytest.mark.parametrize("size", ["1e200", "1e-200"])
+def test_a_quaternion_of_any_length(size: str, tmp_path: Path) -> None:
+    """Law: a quaternion is normalised whatever its length, whose square may be no number."""
+    (tmp_path / "in.liggghts").write_text(deck(("quat 1 1 0 30", f"quat_direct {size} -{size} 0 0")))
+    shapes = plan(tmp_path / "in.liggghts", {}).runs[0].scene.particles.superquadrics
+    assert shapes
+    assert shapes.quat[0] == pytest.approx([0.5**0.5, -(0.5**0.5), 0.0, 0.0], rel=1e-15)
+
+
 RESTART = f"""dump a all custom 20 a.dump id x y z fx fy fz omegax omegay omegaz quat1 quat2 quat3 quat4 shapex blockiness1
 dump_modify a format "%d{' %.17g' * 15}"
 run 20
