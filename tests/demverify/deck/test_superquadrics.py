@@ -42,6 +42,7 @@ PAIR = "pair_style gran model hertz tangential history surface superquadric"
     ("tangential history surface", "tangential history cohesion sjkr surface", "cohesion sjkr is known for spheres only"),
     ("zplane -0.033", "zcylinder 0.5 0 0", ":23: fix w0 wall/gran a cylinder is no wall for superquadrics yet"),
     ("thermo 20\n", "fix ts all check/timestep/gran 10 0.1 0.1\n", "check/timestep/gran is of spheres: not with atom_style superquadric"),
+    ("thermo 20\n", "fix t all particletemplate/multisphere 7\n", ":28: fix t particletemplate/multisphere makes clumps of spheres: not"),
     ("erotate/superquadric", "erotate/sphere", ":25: compute erotate/sphere is of spheres: not with atom_style superquadric"),
     ("create_box 1 box", "read_data bodies.data", ":8: read_data reads spheres"),
     ("set atom 2 vz -0.5", "displace_atoms all rotate 0 0 0 0 0 1 30 units box", ":13: displace_atoms rotate does not turn superquadrics"),
