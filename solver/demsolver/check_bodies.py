@@ -63,6 +63,9 @@ def _check_clumps(p: Particles, clumps: Clumps) -> None:
     if ((clumps.body < -1) | (clumps.body >= m)).any():
         message = f"clumps.body must be -1 or the row of one of {m} clumps"
         raise ValueError(message)
+    if p.superquadrics is not None and (found := p.superquadrics.axes.any(axis=1) & (clumps.body >= 0)).any():
+        message = f"particle {p.id[found][0]} is a superquadric and a member of clump {clumps.id[clumps.body[found][0]]}: members are spheres"
+        raise ValueError(message)
     if len(empty := np.setdiff1d(np.arange(m), clumps.body)):
         message = f"clump {clumps.id[empty[0]]} has no members"
         raise ValueError(message)
