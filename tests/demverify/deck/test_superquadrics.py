@@ -76,6 +76,14 @@ def run(text: str, folder: Path, every: int = 20) -> Path:
     return folder / "out"
 
 
+def test_a_box_may_be_empty_yet(tmp_path: Path) -> None:
+    """Law: a dump of shapes begins with a frame of none where there are no superquadrics yet, and goes on with those that come."""
+    empty = "\n".join(line for line in deck(end="").splitlines() if not line.startswith(("create_atoms", "set")))
+    later = "dump d all custom 1 d.dump id quat1 shapex\nrun 1\ncreate_atoms 1 single 0 0 0.5\nset atom 1 shape 0.03 0.02 0.01\nrun 1\n"
+    frames = list(read_dump(run(f"{empty}\n{later}", tmp_path) / "d.dump"))
+    assert [frame.columns["shapex"].tolist() for frame in frames] == [[], [], [0.03]]
+
+
 def test_a_trajectory_has_shapes(tmp_path: Path) -> None:
     """Law: trajectory.h5 carries what erotate needs: the energy of its frames is the thermo column of compute erotate/superquadric; spheres
     around the bodies would have another."""
