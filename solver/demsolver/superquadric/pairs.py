@@ -135,9 +135,8 @@ def _grown(body: Body, radius: float, part: float) -> Body:
 
 
 @compiled
-def afresh(i: Body, j: Body, kind: int) -> tuple[Vector, bool, int]:
-    """The point p without a guess: from two spheres, which become the bodies step by step; where that fails, in four times as many steps, and
-    again. kind: POTENTIAL or GAUGE."""
+def _from_spheres(i: Body, j: Body, kind: int) -> tuple[Vector, bool, int]:
+    """The point p from two spheres, which become the bodies step by step; where that fails, in four times as many steps, and again."""
     ri, rj = (i.axes[0] * i.axes[1] * i.axes[2]) ** (1.0 / 3.0), (j.axes[0] * j.axes[1] * j.axes[2]) ** (1.0 / 3.0)
     part = ri / (ri + rj)
     p = start = (
@@ -153,6 +152,20 @@ def afresh(i: Body, j: Body, kind: int) -> tuple[Vector, bool, int]:
         if found:
             break
         count *= 4
+    return p, found, steps
+
+
+@compiled
+def afresh(i: Body, j: Body, kind: int) -> tuple[Vector, bool, int]:
+    """The point p without a guess: from spheres, or POTENTIAL from the point of GAUGE, which is found between thin bodies of very different size too.
+    kind: POTENTIAL or GAUGE."""
+    p, found, steps = _from_spheres(i, j, kind)
+    if not found and kind == POTENTIAL:
+        p, found, more = _from_spheres(i, j, GAUGE)
+        steps += more
+        if found:
+            p, found, more = newton(p, i, j, POTENTIAL)
+            steps += more
     return p, found, steps
 
 

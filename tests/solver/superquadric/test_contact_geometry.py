@@ -92,6 +92,24 @@ def test_a_round_and_a_blunt_body_touch_where_they_overlap(seed: int, exponents:
         assert (pairs.chord(p, i, j)[0] > 0.0) is touches
 
 
+def test_a_small_block_touches_a_large_plate() -> None:
+    """Law: the point of equal potentials is found where a plate of 1 : 20 and a block of other exponents, a hundredth of its size, just touch."""
+    rng = np.random.default_rng(1)
+    axes = 0.02 * np.array([1.0, 1.0, 0.05])
+    for way in rng.normal(size=(30, 3)):
+        turned = rng.normal(size=(2, 4))
+        i, j = (
+            body(x, q / np.linalg.norm(q), size * axes, np.full(2, n))
+            for x, q, size, n in zip((np.zeros(3), 2.0 * way), turned, (100.0, 1.0), (2.0, 10.0), strict=True)
+        )
+        p, found, _ = pairs.afresh(i, j, pairs.GAUGE)
+        assert found
+        j = Body(tuple(0.9999 / pairs.grown(p, i, j)[0] * np.array(j.x)), *j[1:])
+        p, found, _ = pairs.afresh(i, j, pairs.POTENTIAL)
+        assert found
+        assert pairs.chord(p, i, j)[0] > 0.0
+
+
 @settings(max_examples=60, deadline=None)
 @given(st.integers(0, 10_000))
 def test_a_guess_changes_nothing(seed: int) -> None:
