@@ -30,10 +30,10 @@ def doubts(inertia: Floats, clumptype: Floats | None, templates: Sequence[Templa
 def remarks(frame: Frame, meanings: Meanings) -> list[str]:
     """One line for each thing that a dump of particles does not tell and that was taken for granted."""
     has, dialect = frame.columns.keys(), meanings.dialect_of(frame)
-    shaped, both = "shapex" in has, {"omegax", "angmomx"} <= has
+    shaped, printed = "shapex" in has, {"omegax", "angmomx", "mass"} <= has  # then no energy asks for the shape
     found = []
-    if dialect == "liggghts" and shaped and not both and not {"blockiness1", "roundness1"} & has:
-        found.append("no columns blockiness1 blockiness2: superquadrics are taken for ellipsoids (2 2)")
+    if dialect == "liggghts" and shaped and not printed and not any({f"{name}1", f"{name}2"} <= has for name in ("blockiness", "roundness")):
+        found.append("no columns blockiness1 blockiness2 (it takes both): superquadrics are taken for ellipsoids (2 2)")
     if dialect == "lammps" and shaped and "radius" not in has and not meanings.atom_style and (frame.columns["shapex"] == 1.0).any():
         found.append("particles of shape 1 1 1 without a column radius are taken for points, as in atom_style ellipsoid")
     if dialect == "liggghts" and "mass" not in has and not shaped and not meanings.atom_style and _in_a_plane(frame):

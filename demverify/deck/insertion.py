@@ -37,6 +37,8 @@ def template(setup: Setup, spec: Spec) -> Kind:
     """fix particletemplate/multisphere SEED atom_type T density constant D nspheres N ntry K spheres file F scale S type C [mass M use_density
     inertia_tensor Ixx Ixy Ixz Iyy Iyz Izz]. Without mass and inertia those of the union of the spheres, exactly."""
     words, given = words_of(spec), _Template()
+    if setup.atom_style == "superquadric":
+        raise words.error("makes clumps of spheres: not with atom_style superquadric")
     words.integer("seed", 1)
     while words:
         _TEMPLATE_WORDS[words.choice("keyword", _TEMPLATE_WORDS)](words, given)

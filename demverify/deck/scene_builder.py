@@ -10,7 +10,7 @@ import numpy as np
 
 from demsolver.bind_law import longest_reach
 from demsolver.check_bodies import check_bodies
-from demsolver.scene import EulerSphere, Integrator, Neighbor, NveSphere, Particles, Scene
+from demsolver.scene import EulerSphere, Integrator, Neighbor, NveSphere, NveSuperquadric, Particles, Scene
 from demsolver.state import selected
 from demverify.deck.forces import FORCES, INTEGRATORS
 from demverify.deck.rigid import rigid_bodies
@@ -73,7 +73,13 @@ def _integrators(setup: Setup) -> tuple[Integrator, ...]:
         first, second = (spec for spec in specs if spec in (euler[0], other))
         message = f"fix {second.id} {second.style}: fix {first.id} is a {first.style}, and one run has one integrator"
         raise InputError(message, second.place)
-    return tuple(_integrate(setup, spec) for spec in specs)
+    found = tuple(_integrate(setup, spec) for spec in specs)
+    turning = [(one.scheme, spec) for one, spec in zip(found, specs, strict=True) if isinstance(one, NveSuperquadric)]
+    for scheme, spec in turning:
+        if scheme != turning[0][0]:
+            message = f"fix {spec.id} {spec.style}: fix {turning[0][1].id} has another integration_scheme, and one run has one"
+            raise InputError(message, spec.place)
+    return found
 
 
 def _integrate(setup: Setup, spec: Spec) -> Integrator:

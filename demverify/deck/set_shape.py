@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import cos, pi, sin, sqrt
+from math import cos, hypot, pi, sin
 
 import numpy as np
 
@@ -46,7 +46,7 @@ def _quat(cmd: Command, keyword: str) -> np.ndarray:
     if keyword == "quat":
         half = four * pi / 360.0
         one, two, three, four = cos(half), one * sin(half), two * sin(half), three * sin(half)
-    length = sqrt(one * one + two * two + three * three + four * four)
+    length = hypot(one, two, three, four)
     if not length > 0.0:
         raise cmd.error("the quaternion must not be zero")
     return np.array([one, two, three, four]) / length

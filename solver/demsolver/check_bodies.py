@@ -10,6 +10,7 @@ from demsolver.scene import Clumps, Cylinder, Enforce2D, EulerSphere, NveClumps,
 from demsolver.shapes import superquadric
 from demsolver.specialise import laws_of
 from demsolver.state import Floats, selected
+from demsolver.superquadric import BOUND, bounding_radius
 
 _SHAPES = {"axes": 3, "blockiness": 2, "quat": 4, "inertia": 3, "angmom": 3}
 _MOVES = {"x": 3, "v": 3, "quat": 4, "angmom": 3, "omega": 3, "inertia": 3}
@@ -36,6 +37,7 @@ def _check_superquadrics(scene: Scene, p: Particles, shapes: Superquadrics) -> N
     shaped = shapes.axes.any(axis=1)
     superquadric.checked(shapes.axes[shaped], shapes.blockiness[shaped])
     _check_turning("superquadric", p.id[shaped], shapes.quat[shaped], shapes.inertia[shaped])
+    _check_bounds(p.id[shaped], p.radius[shaped], bounding_radius(shapes.axes[shaped], shapes.blockiness[shaped]))
     for integrator in scene.integrate:
         if isinstance(integrator, NveSphere | EulerSphere) and (found := selected(p.mask, integrator.bit) & shaped).any():
             message = f"particle {p.id[found][0]} is a superquadric: it is moved by NveSuperquadric, not by {type(integrator).__name__}"
@@ -61,6 +63,9 @@ def _check_clumps(p: Particles, clumps: Clumps) -> None:
     if ((clumps.body < -1) | (clumps.body >= m)).any():
         message = f"clumps.body must be -1 or the row of one of {m} clumps"
         raise ValueError(message)
+    if p.superquadrics is not None and (found := p.superquadrics.axes.any(axis=1) & (clumps.body >= 0)).any():
+        message = f"particle {p.id[found][0]} is a superquadric and a member of clump {clumps.id[clumps.body[found][0]]}: members are spheres"
+        raise ValueError(message)
     if len(empty := np.setdiff1d(np.arange(m), clumps.body)):
         message = f"clump {clumps.id[empty[0]]} has no members"
         raise ValueError(message)
@@ -84,6 +89,14 @@ def _check_turning(what: str, ids: np.ndarray, quat: Floats, inertia: Floats) ->
         if wrong.any():
             message = f"{what} {ids[wrong][0]}: {name}"
             raise ValueError(message)
+
+
+def _check_bounds(ids: np.ndarray, radius: Floats, wanted: Floats) -> None:
+    """A sphere that does not hold its body loses contacts: pairs are looked at where these spheres touch."""
+    if len(small := np.flatnonzero(radius * BOUND < wanted)):
+        k = small[0]
+        message = f"superquadric {ids[k]}: radius must be that of a sphere around it, bounding_radius {wanted[k]:.9g}, got {radius[k]:.9g}"
+        raise ValueError(message)
 
 
 def _check_company(scene: Scene) -> None:

@@ -7,6 +7,8 @@ import numpy as np
 from demsolver.scene import AddForce, Scene
 from demsolver.state import Bodies, Floats
 
+BLUNTEST = 300.0
+"""Exponent up to which contact points of superquadrics are found: the third power of 2^(2 - n), a determinant, is a number to there."""
 NOT_SOLVED = -2  # what an implicit step may answer; else -1: out of the list
 _SAID = {"x": "positions", "v": "velocities", "omega": "spins", "force": "forces", "torque": "torques"}
 
@@ -45,10 +47,12 @@ def _why(scene: Scene) -> str:
 def lost_points(count: int, step: int, scene: Scene) -> str:
     """That contact points of superquadrics were not found."""
     gauge = "" if scene.contact_point == "gauge" else ", or have the contact point by growth (contact_point gauge), which exists at any depth"
-    return (
-        f"{count} contacts of superquadrics had no contact point that was found by step {step}: they overlap too deeply; start them apart, make the "
-        f"contact stiffer, shorten the timestep {scene.timestep:g}{gauge}"
-    )
+    shapes = scene.particles.superquadrics
+    most = shapes.blockiness.max(initial=0.0) if shapes else 0.0
+    cause = f"they overlap too deeply; start them apart, make the contact stiffer, shorten the timestep {scene.timestep:g}{gauge}"
+    if most > BLUNTEST:
+        cause = f"a blockiness of {most:g} leaves rounding alone of its equations; make it {BLUNTEST:g} at most{gauge}"
+    return f"{count} contacts of superquadrics had no contact point that was found by step {step}: {cause}"
 
 
 def refused(code: int, step: int, scene: Scene) -> str:

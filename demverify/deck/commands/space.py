@@ -8,7 +8,7 @@ from demsolver.scene import Box
 from demverify.deck.command import Command, command
 from demverify.deck.interpreter import Interpreter
 from demverify.deck.lattice import read_lattice
-from demverify.deck.particles import no_atoms
+from demverify.deck.particles import no_atoms, no_shapes
 from demverify.deck.regions import find_region, read_region
 from demverify.deck.setup import Floats
 
@@ -145,3 +145,5 @@ def make_box(deck: Interpreter, cmd: Command, lo: object, hi: object, ntypes: in
     deck.setup.box = Box(low - margin * shrinking[:, 0], high + margin * shrinking[:, 1], faces, margin)
     deck.setup.ntypes = ntypes
     deck.setup.atoms = no_atoms()
+    if deck.setup.atom_style == "superquadric":
+        deck.setup.atoms.superquadrics = no_shapes(0)

@@ -135,9 +135,8 @@ def _grown(body: Body, radius: float, part: float) -> Body:
 
 
 @compiled
-def afresh(i: Body, j: Body, kind: int) -> tuple[Vector, bool, int]:
-    """The point p without a guess: from two spheres, which become the bodies step by step; where that fails, in four times as many steps, and
-    again. kind: POTENTIAL or GAUGE."""
+def _from_spheres(i: Body, j: Body, kind: int) -> tuple[Vector, bool, int]:
+    """The point p from two spheres, which become the bodies step by step; where that fails, in four times as many steps, and again."""
     ri, rj = (i.axes[0] * i.axes[1] * i.axes[2]) ** (1.0 / 3.0), (j.axes[0] * j.axes[1] * j.axes[2]) ** (1.0 / 3.0)
     part = ri / (ri + rj)
     p = start = (
@@ -157,13 +156,28 @@ def afresh(i: Body, j: Body, kind: int) -> tuple[Vector, bool, int]:
 
 
 @compiled
+def afresh(i: Body, j: Body, kind: int) -> tuple[Vector, bool, int]:
+    """The point p without a guess: from spheres, or POTENTIAL from the point of GAUGE, which is found between thin bodies of very different size too.
+    kind: POTENTIAL or GAUGE."""
+    p, found, steps = _from_spheres(i, j, kind)
+    if not found and kind == POTENTIAL:
+        p, found, more = _from_spheres(i, j, GAUGE)
+        steps += more
+        if found:
+            p, found, more = newton(p, i, j, POTENTIAL)
+            steps += more
+    return p, found, steps
+
+
+@compiled
 def chord(p: Vector, i: Body, j: Body) -> tuple[float, Vector]:
     """Overlap at the point of equal potentials p, 0 where they do not touch, and unit normal from j to i."""
     fi, fj, gi, gj = _both(p, i, j, POTENTIAL)
     n = gj[0] - gi[0], gj[1] - gi[1], gj[2] - gi[2]
     size = length(n)
     n = n[0] / size, n[1] / size, n[2] / size
-    if max(fi, fj) >= 0.0:
+    # the potential of both, whatever of p is lost to rounding: that of a blunt body is smaller than the steeper one's rounding
+    if fi * length(gj) + fj * length(gi) >= 0.0:
         return 0.0, n
     return leaves(p, (-n[0], -n[1], -n[2]), i) + leaves(p, n, j), n
 

@@ -46,6 +46,13 @@ def test_the_printed_energy_comes_back(name: str, hidden: tuple[str, ...]) -> No
         assert {row.ke for row in found.rows} == {None}
 
 
+@pytest.mark.parametrize("hidden", [("blockiness2", "angmom", "inertia"), ("blockiness1", "blockiness2", "mass")])
+def test_shapes_without_exponents_are_told(hidden: tuple[str, ...]) -> None:
+    """Law: where an energy asks for exponents that are not both there, superquadrics are taken for ellipsoids, and a note says so."""
+    found = erotate(DATA / "collide.dump.gz", columns=columns("collide", *hidden))
+    assert found.notes == ("no columns blockiness1 blockiness2 (it takes both): superquadrics are taken for ellipsoids (2 2)",)
+
+
 @both_runs
 def test_the_command_line(name: str, tmp_path: Path) -> None:
     """Law: --columns hides on the command line what it hides in the library."""

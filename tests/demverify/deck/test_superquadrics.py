@@ -30,6 +30,7 @@ PAIR = "pair_style gran model hertz tangential history surface superquadric"
     ("quat 1 1 0 30", "quat_direct 0 0 0 0", ":12: set atom the quaternion must not be zero"),
     ("density 2500", "diameter 0.1", ":11: set type keyword 'diameter' is not one of type, shape, blockiness"),
     ("fix move all nve/superquadric integration_scheme 1", "fix move all nve/sphere", ":24: fix move nve/sphere moves spheres"),
+    ("integration_scheme 1", "integration_scheme 1\nfix b all nve/superquadric integration_scheme 2", ":25: fix b nve/superquadric: fix move has"),
     ("integration_scheme 1", "integration_scheme 4", ":24: fix move nve/superquadric integration_scheme must be from 0 to 3, got 4"),
     ("atom_style superquadric", "atom_style granular", ":11: set type keyword 'shape' is not one of"),
     (PAIR, PAIR.removesuffix(" surface superquadric"), ":20: pair_style gran surface default does not go with atom_style superquadric"),
@@ -41,6 +42,7 @@ PAIR = "pair_style gran model hertz tangential history surface superquadric"
     ("tangential history surface", "tangential history cohesion sjkr surface", "cohesion sjkr is known for spheres only"),
     ("zplane -0.033", "zcylinder 0.5 0 0", ":23: fix w0 wall/gran a cylinder is no wall for superquadrics yet"),
     ("thermo 20\n", "fix ts all check/timestep/gran 10 0.1 0.1\n", "check/timestep/gran is of spheres: not with atom_style superquadric"),
+    ("thermo 20\n", "fix t all particletemplate/multisphere 7\n", ":28: fix t particletemplate/multisphere makes clumps of spheres: not"),
     ("erotate/superquadric", "erotate/sphere", ":25: compute erotate/sphere is of spheres: not with atom_style superquadric"),
     ("create_box 1 box", "read_data bodies.data", ":8: read_data reads spheres"),
     ("set atom 2 vz -0.5", "displace_atoms all rotate 0 0 0 0 0 1 30 units box", ":13: displace_atoms rotate does not turn superquadrics"),
@@ -74,6 +76,14 @@ def run(text: str, folder: Path, every: int = 20) -> Path:
     return folder / "out"
 
 
+def test_a_box_may_be_empty_yet(tmp_path: Path) -> None:
+    """Law: a dump of shapes begins with a frame of none where there are no superquadrics yet, and goes on with those that come."""
+    empty = "\n".join(line for line in deck(end="").splitlines() if not line.startswith(("create_atoms", "set")))
+    later = "dump d all custom 1 d.dump id quat1 shapex\nrun 1\ncreate_atoms 1 single 0 0 0.5\nset atom 1 shape 0.03 0.02 0.01\nrun 1\n"
+    frames = list(read_dump(run(f"{empty}\n{later}", tmp_path) / "d.dump"))
+    assert [frame.columns["shapex"].tolist() for frame in frames] == [[], [], [0.03]]
+
+
 def test_a_trajectory_has_shapes(tmp_path: Path) -> None:
     """Law: trajectory.h5 carries what erotate needs: the energy of its frames is the thermo column of compute erotate/superquadric; spheres
     around the bodies would have another."""
@@ -86,6 +96,15 @@ def test_a_trajectory_has_shapes(tmp_path: Path) -> None:
     assert all(row.by_shape["superquadric"] == row.erotate for row in rows)
     sphere = 0.2 * frames[0].columns["mass"] * frames[0].columns["radius"] ** 2 * (frames[0].vectors("omegax", "omegay", "omegaz") ** 2).sum(axis=1)
     assert sphere.sum() > 1.1 * printed[0]
+
+
+@pytest.mark.parametrize("size", ["1e200", "1e-200"])
+def test_a_quaternion_of_any_length(size: str, tmp_path: Path) -> None:
+    """Law: a quaternion is normalised whatever its length, whose square may be no number."""
+    (tmp_path / "in.liggghts").write_text(deck(("quat 1 1 0 30", f"quat_direct {size} -{size} 0 0")))
+    shapes = plan(tmp_path / "in.liggghts", {}).runs[0].scene.particles.superquadrics
+    assert shapes
+    assert shapes.quat[0] == pytest.approx([0.5**0.5, -(0.5**0.5), 0.0, 0.0], rel=1e-15)
 
 
 RESTART = f"""dump a all custom 20 a.dump id x y z fx fy fz omegax omegay omegaz quat1 quat2 quat3 quat4 shapex blockiness1

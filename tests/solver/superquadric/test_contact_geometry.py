@@ -78,6 +78,39 @@ def test_the_point_of_equal_potentials(seed: int) -> None:
 
 
 @settings(max_examples=60, deadline=None)
+@given(st.integers(0, 10_000), st.sampled_from([(2.0, 48.0), (2.0, 100.0), (10.0, 60.0)]))
+def test_a_round_and_a_blunt_body_touch_where_they_overlap(seed: int, exponents: tuple[float, float]) -> None:
+    """Law: there is an overlap where two bodies grown by lam < 1 would touch, and none where lam > 1, however small the blunt one's potential is."""
+    i, other = (Body(*one[:3], n, n, 2.0 ** (2.0 - n)) for one, n in zip(near(seed), exponents, strict=True))
+    p, found, _ = pairs.afresh(i, other, pairs.GAUGE)
+    assert found
+    reach = np.array(other.x) / pairs.grown(p, i, other)[0]
+    for part, touches in ((0.999, True), (0.95, True), (1.001, False)):
+        j = Body(tuple(part * reach), *other[1:])
+        p, found, _ = pairs.afresh(i, j, pairs.POTENTIAL)
+        assert found
+        assert (pairs.chord(p, i, j)[0] > 0.0) is touches
+
+
+def test_a_small_block_touches_a_large_plate() -> None:
+    """Law: the point of equal potentials is found where a plate of 1 : 20 and a block of other exponents, a hundredth of its size, just touch."""
+    rng = np.random.default_rng(1)
+    axes = 0.02 * np.array([1.0, 1.0, 0.05])
+    for way in rng.normal(size=(30, 3)):
+        turned = rng.normal(size=(2, 4))
+        i, j = (
+            body(x, q / np.linalg.norm(q), size * axes, np.full(2, n))
+            for x, q, size, n in zip((np.zeros(3), 2.0 * way), turned, (100.0, 1.0), (2.0, 10.0), strict=True)
+        )
+        p, found, _ = pairs.afresh(i, j, pairs.GAUGE)
+        assert found
+        j = Body(tuple(0.9999 / pairs.grown(p, i, j)[0] * np.array(j.x)), *j[1:])
+        p, found, _ = pairs.afresh(i, j, pairs.POTENTIAL)
+        assert found
+        assert pairs.chord(p, i, j)[0] > 0.0
+
+
+@settings(max_examples=60, deadline=None)
 @given(st.integers(0, 10_000))
 def test_a_guess_changes_nothing(seed: int) -> None:
     """Law: from a guess off by a thousandth of a body, and with the bodies in the other order, point, overlap and normal are the same."""

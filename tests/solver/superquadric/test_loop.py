@@ -205,3 +205,14 @@ def test_what_has_no_contact_point_ends_the_run() -> None:
         Simulation(scene, on_instability="off").setup()
     assert "\n" not in str(caught.value)
 
+
+def test_what_is_too_blunt_is_told() -> None:
+    """Law: two boxes with exponents of 300 push each other away; where they have 1000, the run ends with one line that names it."""
+    x, axes = np.array([[0.0, 0.0, 0.0], [0.003, 0.001, 0.048]]), np.full((2, 3), 0.02)
+    quat = np.array([[1.0, 0.0, 0.0, 0.0], np.array([1.0, 0.4, 0.0, 0.2]) / np.sqrt(1.2)])
+    scenes = [replace(laws(), particles=particles(x, axes, np.full((2, 2), exponent), quat)) for exponent in (300.0, 1000.0)]
+    fine, blunt = (Simulation(scene, on_instability="off") for scene in scenes)
+    fine.setup()
+    assert fine.forces()[0][1, 2] > 1.0
+    with pytest.raises(Unstable, match=r"^1 contacts .*: a blockiness of 1000 leaves rounding alone of its equations; make it 300 at most, or"):
+        blunt.setup()

@@ -10,6 +10,7 @@ import pytest
 from demsolver import Box, Cylinder, EulerSphere, NveSphere, Scene, Simulation, Sleep, Wall
 from demsolver.scene import ContactLaw, NveSuperquadric, Particles, Superquadrics
 from demsolver.stability_contacts import contacts_of
+from tests.support.clumps import with_clumps
 from tests.support.superquadrics import particles
 
 LAW = ContactLaw("hertz", "none", "none", "none", "none", {"kn": np.full((1, 1), 1e7)})
@@ -40,6 +41,8 @@ def shaped(**changed: object) -> Particles:
     (lambda: scene(shaped(axes=np.full((3, 3), 0.02))), r"superquadrics.axes must be finite and of the shape \(2, 3\)"),
     (lambda: scene(shaped(angmom=np.full((2, 3), np.nan))), "superquadrics.angmom must be finite"),
     (lambda: scene(shaped(blockiness=np.full((2, 2), 1.5))), "1.5"),
+    (lambda: scene(replace(bodies(), radius=np.full(2, 0.02))), "superquadric 1: radius must be that of a sphere around it, bounding_radius 0.024"),
+    (lambda: scene(with_clumps(bodies(), np.zeros(2, dtype=int))), "particle 1 is a superquadric and a member of clump 1: members are spheres"),
     (lambda: scene(bodies(), integrate=(NveSphere(),)), "particle 1 is a superquadric: it is moved by NveSuperquadric, not by NveSphere"),
     (lambda: scene(bodies(), integrate=(EulerSphere(),)), "particle 1 is a superquadric: it is moved by NveSuperquadric, not by EulerSphere"),
     (lambda: scene(bodies(), integrate=(NveSuperquadric(scheme="euler"),)), "rotation scheme 'euler' is not one of"),
