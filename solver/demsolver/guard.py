@@ -1,7 +1,8 @@
 """Tells when a run goes wrong, before its numbers are believed: on by default, Simulation(scene, on_instability="stop").
 
     speed    a particle moves more than FARTHEST of its radius in a step: it could pass through another unseen. Looked at in every step.
-    overlap  a contact is deeper than DEEPEST of the smaller radius: a centre may come to the wrong side. Looked at in every step.
+    overlap  a contact is deeper than DEEPEST of the smaller radius, or of how far a superquadric reaches from its centre along the normal: a centre
+             may come to the wrong side. Looked at in every step.
     energy   the energy has grown by more than GROWTH of what kinetic and elastic energy there was, and nothing drives it. Every `every` steps.
     numbers  a position, velocity, spin, force or torque is no number any more. Every `every` steps, and wherever a list is made.
     place    positions are no finer than COARSEST of the smallest radius, so far from the origin: contacts are rounded away. Every `every` steps.
@@ -29,7 +30,7 @@ from demsolver.scene import AddForce, Cylinder, Plane, Scene, SetForce, Wall
 from demsolver.specialise import DEEPEST
 from demsolver.stability_contacts import centred, contacts_in
 from demsolver.state import Floats, Shaped, moved, shaped_of
-from demsolver.superquadric.depths import pair_overlap, plane_overlaps
+from demsolver.superquadric.depths import pair_depth, plane_depths
 from demsolver.trouble import Unstable
 
 if TYPE_CHECKING:
@@ -126,11 +127,20 @@ class Guard:
         if self.numbers[5] != 0.0 and simulation.deep:
             self.too_deep(simulation)
 
+    def sees(self, simulation: Simulation) -> bool:
+        """Whether a speed or an overlap is to be told after the next step: where a list is due in every step, the loop never comes to say so."""
+        return bool(self.numbers[5] != 0.0 and simulation.deep) or bool(self.numbers[0] < np.inf and (self._ways(simulation) > FARTHEST).any())
+
+    def _ways(self, simulation: Simulation) -> Floats:
+        """(n,) ways in a step over the radius, of those that move."""
+        b = simulation.bodies
+        moves = b.moving & (b.radius > 0.0)
+        way = np.linalg.norm(b.v - self.numbers[1:4], axis=1) * self.scene.timestep
+        return np.asarray(np.where(moves, way, 0.0) / np.where(moves, b.radius, 1.0))
+
     def too_fast(self, simulation: Simulation) -> None:
         """Says who moves too far in a step, if anybody does. Raises Unstable where the run is to stop."""
-        dt, b = self.scene.timestep, simulation.bodies
-        moves = b.moving & (b.radius > 0.0)
-        part = np.where(moves, np.linalg.norm(b.v - self.numbers[1:4], axis=1) * dt, 0.0) / np.where(moves, b.radius, 1.0)
+        dt, part = self.scene.timestep, self._ways(simulation)
         worst = int(np.argmax(part)) if len(part) else 0
         if not len(part) or part[worst] <= FARTHEST:
             return
@@ -219,24 +229,21 @@ class Guard:
 
 
 def deepest(simulation: Simulation) -> tuple[float, str]:
-    """The deepest contact now: its overlap over the smaller radius, and who they are; -inf if nobody can touch."""
+    """The deepest contact now: its overlap over the smaller radius (of superquadrics as above), and who they are; -inf if nobody can touch."""
     b, pairs = simulation.bodies, simulation.pairs
     d = b.x[pairs.i] - b.x[pairs.j] - neighbors.SHIFTS[pairs.shift] * (simulation.box_hi - simulation.box_lo)
     shaped = shaped_of(b)
-    size = shaped.size if shaped else b.radius
-    radius, overlap = np.minimum(size[pairs.i], size[pairs.j]), b.radius[pairs.i] + b.radius[pairs.j] - np.linalg.norm(d, axis=1)
-    if shaped:
-        overlap[:] = _among_superquadrics(simulation.scene, shaped, pairs, d, overlap)
-    part = overlap[radius > 0.0] / radius[radius > 0.0]
+    radius, overlap = np.minimum(b.radius[pairs.i], b.radius[pairs.j]), b.radius[pairs.i] + b.radius[pairs.j] - np.linalg.norm(d, axis=1)
+    part = _among_superquadrics(simulation.scene, shaped, pairs, d, overlap) if shaped else overlap / np.where(radius > 0.0, radius, np.nan)
     found, who = -np.inf, "nobody"
-    if len(part) and not np.isnan(part).all():
+    if not np.isnan(part).all():
         worst = int(np.nanargmax(part))
-        i, j = sorted(int(simulation.id[side[radius > 0.0][worst]]) for side in (pairs.i, pairs.j))
+        i, j = sorted(int(simulation.id[side[worst]]) for side in (pairs.i, pairs.j))
         found, who = float(part[worst]), f"particles {i} and {j}"
     contacts = contacts_in(simulation.scene, b, _NOBODY, simulation.box_hi - simulation.box_lo)
-    at_wall = contacts.overlap / size[contacts.i]
+    at_wall = contacts.overlap / b.radius[contacts.i]
     if shaped:
-        at_wall = plane_overlaps(shaped, contacts.i, contacts.n, b.radius[contacts.i] - contacts.overlap) / size[contacts.i]
+        at_wall = plane_depths(shaped, contacts.i, contacts.n, b.radius[contacts.i] - contacts.overlap)
     if len(at_wall) and at_wall.max() > found:
         worst = int(np.argmax(at_wall))
         found, who = float(at_wall[worst]), f"particle {simulation.id[contacts.i[worst]]} and wall {simulation.scene.walls[contacts.law[worst]].name}"
@@ -247,8 +254,8 @@ def deepest(simulation: Simulation) -> tuple[float, str]:
 
 
 def _among_superquadrics(scene: Scene, b: Shaped, pairs: Listed, d: Floats, bound: Floats) -> Floats:
-    """(m,) overlaps of listed pairs; bound: of their bounding spheres."""
-    return np.array([pair_overlap(scene, b, *who) if most > 0.0 else -np.inf for *who, most in zip(pairs.i, pairs.j, d, bound, strict=True)])
+    """(m,) depths of listed pairs; bound: overlaps of their bounding spheres."""
+    return np.array([pair_depth(scene, b, *who) if most > 0.0 else -np.inf for *who, most in zip(pairs.i, pairs.j, d, bound, strict=True)])
 
 
 def _driven(scene: Scene) -> bool:

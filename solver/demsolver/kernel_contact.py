@@ -184,7 +184,11 @@ def act(count, equal, coefficients, dt, advance, lanes, past, who):
             overlap = reach - distance
             reff = ra * ro / reach
         if GUARD:
-            deep += np.uint64(overlap > DEEPEST * (ra if UNIFORM else min(ra, ro)))
+            least = ra if UNIFORM else min(ra, ro)
+            if SHAPES:  # how far the bodies reach along n; an overlap by growth is in proportion to them anyhow
+                if SHAPE_CONTACT[0] != BY_GROWTH and lanes[ROUND + u] == 0.0:
+                    least = min(-(ax * nx + ay * ny + az * nz), bx * nx + by * ny + bz * nz) + 0.5 * overlap
+            deep += np.uint64(overlap > DEEPEST * least)
         vx, vy, vz = lanes[VX + u], lanes[VY + u], lanes[VZ + u]
         vn = vx * nx + vy * ny + vz * nz
         tx = ty = tz = ux = uy = uz = inertia = 0.0

@@ -13,7 +13,7 @@ def wall_force(i, nx, ny, nz, overlap, reff, ax, ay, az, round_, wvx, wvy, wvz, 
     round_) also the contact point a from its centre."""
     w = b.omega
     radius, mass = rough_size(b, i), heft(b, i)
-    if GUARD and overlap > DEEPEST * radius:
+    if GUARD and overlap > DEEPEST * (radius if not SHAPES or round_ else -(ax * nx + ay * ny + az * nz)):
         tally[6] += 1.0
     vx, vy, vz = b.v[i, 0] - wvx, b.v[i, 1] - wvy, b.v[i, 2] - wvz
     inertia, ratio = ROLLING_INERTIA * mass * radius * radius, (radius - 0.5 * overlap) / (radius - overlap)

@@ -130,7 +130,7 @@ class Simulation(Observed):
         done, why = self._run(BEGIN, steps)
         while why == DUE:
             self._relist()
-            more, why = self._run(MIDDLE, steps - done)
+            more, why = self._run(MIDDLE, 1 if self._guard and self._guard.sees(self) else steps - done)
             done += more
         if self._guard and why == TOO_FAST:
             self._guard.too_fast(self)
