@@ -125,8 +125,8 @@ def test_a_deep_impact_is_said_though_the_list_is_due_in_every_step() -> None:
 
 
 def test_growth_of_energy_is_said() -> None:
-    """Law: a step a little above the limit of a contact grows from rounding and is stopped, long before anything is infinite: for its energy where that
-    is looked at often, else for its speed."""
+    """Law: a step a little above the limit of a contact grows from rounding and is stopped, long before anything is infinite: for its energy where
+    that is looked at often, else for its speed."""
     scene = on_floor(1.001 * 2.0 * np.sqrt(MASS / KN), FLOOR, along=1e-9)
     simulation = Simulation(scene)
     simulation.setup()
