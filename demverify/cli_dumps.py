@@ -1,7 +1,9 @@
-"""Options of the commands that read dumps: `erotate` and `view`."""
+"""What the commands that read dumps share, `erotate` and `view`: options, and how they tell what was taken for granted."""
 
 from __future__ import annotations
 
+import sys
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -16,3 +18,14 @@ Columns = Annotated[str | None, typer.Option(metavar='"ID TYPE ..."', help="Name
 BodyColumns = Annotated[str | None, typer.Option(metavar='"..."', help="Names of all columns of the --bodies files.")]
 Timestep = Annotated[float | None, typer.Option(help="Time of one step, where neither dump nor deck says it.")]
 Inertia = Annotated[Literal["union", "spheres"] | None, typer.Option(help="Of clumps: union of the spheres, or spheres as if apart.")]
+
+
+def names_in(text: str | None) -> tuple[str, ...] | None:
+    """The columns that --columns or --body-columns names."""
+    return tuple(text.split()) if text else None
+
+
+def tell(notes: Iterable[str]) -> None:
+    """A line on stderr for each."""
+    for note in notes:
+        print(f"demverify: note: {note}", file=sys.stderr)

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from demverify.cli_dumps import Bodies, BodyColumns, Columns, Deck, Density, Inertia, Templates, Timestep, Variables
+from demverify.cli_dumps import Bodies, BodyColumns, Columns, Deck, Density, Inertia, Templates, Timestep, Variables, names_in, tell
 
 if TYPE_CHECKING:
     from demverify.analysis.energies import Row
@@ -52,13 +52,13 @@ def erotate(
 
     check_writable(json, csv, h5, plot)
     meanings, notes = meanings_from(deck, variables_of(var), template or (), density, timestep)
-    request = Request(Wanted(meanings, halfstep, inertia=inertia), _words(columns), keep_particles=per_particle)
+    request = Request(Wanted(meanings, halfstep, inertia=inertia), names_in(columns), keep_particles=per_particle)
     with ExitStack() as stack:
         workers = stack.enter_context(_workers(threads, scheduler))
         tables = _tables(stack, json, csv, h5)
         watch = _each_particle(tables) if per_particle else _nothing
         if bodies:
-            of_particles, of_bodies = split(request, _words(body_columns))
+            of_particles, of_bodies = split(request, names_in(body_columns))
             particles = gather(_run(dump_files(files), of_particles, workers), watch)
             found = with_bodies(particles, gather(_run(dump_files(bodies), of_bodies, workers), watch))
         else:
@@ -70,13 +70,8 @@ def erotate(
         from demverify.report.erotate import write_picture
 
         write_picture(plot, found.rows)
-    for note in (*notes, *found.notes):
-        print(f"demverify: note: {note}", file=sys.stderr)
+    tell((*notes, *found.notes))
     raise typer.Exit(0 if _sound(found) else 1)
-
-
-def _words(text: str | None) -> tuple[str, ...] | None:
-    return tuple(text.split()) if text else None
 
 
 @contextmanager

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from demverify.cli_dumps import Bodies, BodyColumns, Columns, Deck, Density, Inertia, Templates, Timestep, Variables
+from demverify.cli_dumps import Bodies, BodyColumns, Columns, Deck, Density, Inertia, Templates, Timestep, Variables, names_in, tell
 
 
 def view(
@@ -38,13 +37,11 @@ def view(
 
     check_writable(output)
     meanings, notes = meanings_from(deck, variables_of(var), template or (), density, timestep)
-    request = Request(Wanted(meanings, inertia=inertia), tuple(columns.split()) if columns else None)
-    given = tuple(body_columns.split()) if body_columns else None
+    request = Request(Wanted(meanings, inertia=inertia), names_in(columns))
     paths = dump_files(files)
-    found = viewed(paths, request, dump_files(bodies) if bodies else (), given, every, most_frames)
+    found = viewed(paths, request, dump_files(bodies) if bodies else (), names_in(body_columns), every, most_frames)
     write_page(output, found.scenes, paths[0].name if len(paths) == 1 else f"{paths[0].name} to {paths[-1].name}")
-    for note in (*notes, *found.notes):
-        print(f"demverify: note: {note}", file=sys.stderr)
+    tell((*notes, *found.notes))
     first, size = found.scenes[0], output.stat().st_size
     steps = f"frame of step {first.step}" if len(found.scenes) == 1 else f"frames from step {first.step} to {found.scenes[-1].step}"
     print(f"{output}: {len(found.scenes)} {steps}, {max(len(scene.x) for scene in found.scenes)} particles, {size / 1e6:.2g} MB")

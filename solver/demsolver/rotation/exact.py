@@ -175,14 +175,15 @@ def _between(m: Vector, more: Vector, size: float, sign: float, angle: float) ->
     The vector part is as small as the step, and so is its rounding. As a product of rotations it would be rounded as they are, in a slow motion
     always the same way: a drift of the energy. So would be the rounding of `size` were it to turn about the third axis."""
     x, y, z = m
-    before, after = size + sign * z, size + sign * (z + more[2])
+    later = x + more[0], y + more[1], z + more[2]
+    before, after = size + sign * z, size + sign * later[2]
     part = 1.0 / (before * after)
     tilt = (
-        1.0 + part * (x * (x + more[0]) + y * (y + more[1])),
+        1.0 + part * (x * later[0] + y * later[1]),
         part * (sign * before * more[1] - y * more[2]), part * (x * more[2] - sign * before * more[0]), part * (y * more[0] - x * more[1]),
     )  # fmt: skip
     sine = sin(angle) / size
-    return product(tilt, (cos(angle), sine * (x + more[0]), sine * (y + more[1]), sine * (z + more[2])))
+    return product(tilt, (cos(angle), sine * later[0], sine * later[1], sine * later[2]))
 
 
 @compiled
